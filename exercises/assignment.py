@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise, points
@@ -39,12 +39,13 @@ class ArraySpec:
     """An array that a scene may return, as ``float64`` or ``uint8``.
 
     It has exactly ``shape``. If ``up_to`` is set, every length but the last may be from one to that of
-    ``shape``.
+    ``shape``. An array that is ``alone`` is returned in place of all others.
     """
 
     shape: tuple[int, ...]
     dtype: str = "float64"
     up_to: bool = False
+    alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,27 +75,34 @@ class HostVerification:
     bounded: Callable[[Inputs, Arrays, Inputs, Arrays], Arrays | None] | None = None
 
 
+class Recording(NamedTuple):
+    """A result of a scene: the arguments of all ``calls`` of a function (n, …), what it ``returned`` (n, …), and the ``arrays``."""
+
+    calls: NDArray[np.float64]
+    returned: NDArray[np.float64]
+    arrays: Arrays
+
+
 @dataclass(eq=False)
 class Recorded:
     """Results of a scene with fixed inputs for common right functions. A function that repeats one of them need not compute it.
 
-    ``make()`` returns for each result the ``marks`` by which the play recognises it, and its ``arrays``. That takes a while, so a
-    server calls ``prepare`` before it grades, and until then there are none. The play gets the marks as the input ``recorded``, and
-    returns the number of the result as the array ``recorded``, -1 if it is another one.
+    ``make()`` returns the ``recordings``. That takes a while, so a server calls ``prepare`` before it grades, and until then there
+    are none. The play gets their calls as the input ``recorded``, and as ``sample`` what ``sample(recordings, rng)`` draws for each
+    submission: by which calls to recognise them. It returns the number of a recording as ``recorded`` in place of its arrays.
     """
 
-    make: Callable[[], Sequence[tuple[Mapping[str, Any], Arrays]]]
-    marks: tuple[Mapping[str, Any], ...] = ()
-    arrays: tuple[Arrays, ...] = ()
+    make: Callable[[], Sequence[Recording]]
+    sample: Callable[[Sequence[Recording], np.random.Generator], Inputs]
+    recordings: tuple[Recording, ...] = ()
 
     def prepare(self) -> None:
-        """Make the results."""
-        self.marks, self.arrays = zip(*self.make(), strict=True)
+        """Make the recordings."""
+        self.recordings = tuple(self.make())
 
-    def recall(self, returned: dict[str, Any]) -> Arrays | None:
-        """Return the recorded arrays that a play has ``returned`` by their number, which it loses, or None."""
-        number = returned.pop("recorded", None)
-        return next((arrays for k, arrays in enumerate(self.arrays) if number == k), None)
+    def recall(self, number: Any) -> Arrays | None:
+        """Return the arrays of a recording, or None if none has this number."""
+        return next((recording.arrays for k, recording in enumerate(self.recordings) if number == k), None)
 
 
 @dataclass(frozen=True, eq=False)

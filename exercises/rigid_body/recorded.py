@@ -1,19 +1,18 @@
 """Motions that the common right ways to write Euler's equations give, with the calls that an integration of each makes.
 
 The next call of an integration depends only on what the calls before returned. So a function that returns the same numbers, bit for
-bit, at all recorded calls has the recorded motion, and need not be integrated: the calls take a quarter of the time.
+bit, at all recorded calls has the recorded motion, and need not be integrated. The function is called at one of every EVERY calls,
+drawn at random, so at several of each integration step.
 """
 
-import base64
 import hashlib
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ecp.checks import Arrays
-from exercises.assignment import Inputs, Recorded
-from exercises.rigid_body.plays import FIRST_CALLS, trajectory
+from exercises.assignment import Inputs, Recorded, Recording
+from exercises.rigid_body.draws import Rng
+from exercises.rigid_body.plays import EVERY, FIRST_CALLS, sampled, trajectory
 from exercises.rigid_body.public.quantities import Array
 
 Function = Callable[[float, Array, Array], Array]
@@ -21,21 +20,30 @@ Function = Callable[[float, Array, Array], Array]
 
 def recorded(inputs: Inputs) -> Recorded:
     """Return the recorded motions of a scene with fixed ``inputs``, which ``plays.trajectory`` recognises."""
-    return Recorded(lambda: [_record(function, inputs) for function in _forms()])
+    return Recorded(lambda: [_record(function, inputs) for function in _forms()], _sample)
 
 
-def _record(function: Function, inputs: Inputs) -> tuple[dict[str, Any], Arrays]:
-    calls, returned = list[list[float]](), list[bytes]()
+def _sample(recordings: Sequence[Recording], rng: Rng) -> Inputs:
+    """Draw which of EVERY calls to compare: ``offsets`` (k,); and ``digests`` of what each function returned at them, and at the
+    first ones.
+    """
+    offsets = rng.integers(0, EVERY, max(len(one.calls) for one in recordings) // EVERY).tolist()
+    returned: list[Array] = [sampled(one.returned, offsets) for one in recordings]  # type: ignore[no-untyped-call]
+    digests = [[hashlib.sha256(part.tobytes()).hexdigest() for part in (rates[:FIRST_CALLS], rates)] for rates in returned]
+    return {"offsets": offsets, "digests": digests}
+
+
+def _record(function: Function, inputs: Inputs) -> Recording:
+    calls, returned = list[list[float]](), list[Array]()
 
     def recording(t: float, w: Array, I: Array) -> Array:
         rate = function(t, w, I)
         calls.append([t, *w.tolist()])
-        returned.append(rate.tobytes())
+        returned.append(rate)
         return rate
 
-    arrays: Arrays = trajectory({"euler_eqs": recording}, inputs)  # type: ignore[no-untyped-call]
-    first, all = (hashlib.sha256(b"".join(returned[:count])).hexdigest() for count in (FIRST_CALLS, len(returned)))
-    return {"calls": base64.b64encode(np.array(calls).tobytes()).decode(), "first": first, "all": all}, arrays
+    arrays = trajectory({"euler_eqs": recording}, inputs)  # type: ignore[no-untyped-call]
+    return Recording(np.array(calls), np.array(returned), arrays)
 
 
 def _forms() -> Iterator[Function]:

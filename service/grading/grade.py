@@ -1,5 +1,6 @@
 """Grading a submission: draw the scenes, play them in the sandbox, judge the results by the exact answers."""
 
+import base64
 import functools
 import logging
 import platform
@@ -7,6 +8,7 @@ import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +26,7 @@ from service.grading.chains import play_chains, with_used
 from service.grading.crosscheck import CrossCheck, cross_check, may_be_spared
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
-from service.grading.second_child import PlayedJob, SecondChild
+from service.grading.second_child import PlayedJob, SecondChild, discard
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Kept, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
@@ -90,7 +92,7 @@ def _grade(
     wanted = {s for e in asked for s in e.scenes()}
     needed = _with_precursors(assignment, with_used(assignment, wanted))
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in needed}
-    job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
+    job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs, seed)
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
 
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
@@ -168,16 +170,18 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
     return scene.truth(inputs) if callable(scene.inputs) else _fixed_truth(scene)
 
 
-def job_of(submission: Submission, assignment: Assignment, scenes: Sequence[Scene], inputs: Mapping[str, Inputs]) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes."""
-    marks = {s.name: {"recorded": _marks(s.recorded)} for s in scenes if s.recorded and s.recorded.marks}
+def job_of(
+    submission: Submission, assignment: Assignment, scenes: Sequence[Scene], inputs: Mapping[str, Inputs], seed: int = 0
+) -> Job:
+    """Return the sandbox job of a submission's cells and these scenes. ``seed`` determines at which calls to compare recordings."""
+    recorded = {s.name: _recorded_inputs(s, s.recorded, seed) for s in scenes if s.recorded and s.recorded.recordings}
     requests = tuple(
         SceneRequest(
             s.name,
             s.play,
             s.function,
-            {**inputs[s.name], **marks.get(s.name, {})},
-            {**s.returns, **dict.fromkeys(marks.get(s.name, {}), ArraySpec(()))},
+            {**inputs[s.name], **recorded.get(s.name, {})},
+            {**s.returns, **({"recorded": ArraySpec((), alone=True)} if s.name in recorded else {})},
             s.budget_s,
             s.after,
             question=None if s.question is None else dict(s.question),
@@ -192,9 +196,14 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Sequence[Scen
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
 
 
+def _recorded_inputs(scene: Scene, recorded: Recorded, seed: int) -> dict[str, Any]:
+    rng = np.random.default_rng([seed, 4, zlib.crc32(scene.name.encode())])
+    return {"recorded": _calls(recorded), "sample": recorded.sample(recorded.recordings, rng)}
+
+
 @functools.cache
-def _marks(recorded: Recorded) -> Kept:
-    return Kept.of(recorded.marks)
+def _calls(recorded: Recorded) -> Kept:
+    return Kept.of([base64.b64encode(one.calls.tobytes()).decode() for one in recorded.recordings])
 
 
 @functools.cache
@@ -241,7 +250,10 @@ def _play(
     recalled = set[str]()
     for name in list(result.arrays):
         scene = assignment.scene(name)
-        if scene.recorded and (known := scene.recorded.recall(result.arrays[name])) is not None:
+        if scene.recorded and (number := result.arrays[name].get("recorded")) is not None:
+            if (known := scene.recorded.recall(number)) is None:
+                discard(result, name, Ended.WRONG_ANSWER, "the play returned the number of a recorded motion that does not exist")
+                continue
             result.arrays[name] = dict(known)
             recalled.add(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None

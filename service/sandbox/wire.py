@@ -174,7 +174,8 @@ class Reader:
 def _layout(header: bytes, returns: tuple[tuple[str, ArraySpec], ...]) -> tuple[list[Place], int]:
     """Return the places of an answer's arrays and the length of the answer."""
     shapes, specs, places, at = _json(header[HEADER.size :]), dict(returns), list[Place](), len(header)
-    if set(shapes) != set(specs):
+    alone = {name for name, spec in specs.items() if spec.alone}
+    if set(shapes) != set(specs) - alone and not (len(shapes) == 1 and set(shapes) <= alone):
         raise ProtocolError("an answer with other arrays than asked for")
     for name, listed in shapes.items():
         dtype, shape = DTYPES[specs[name].dtype], _shape(listed, specs[name])

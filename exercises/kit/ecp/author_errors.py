@@ -57,10 +57,12 @@ def checked_arrays(play: Callable[..., Any], seen: Any, specs: Mapping[str, Mapp
     place = f"{Path(code.co_filename).name} line {code.co_firstlineno}: {code.co_name}" if code else repr(play)
     if not isinstance(seen, Mapping):
         raise AuthorError(f"{place} returned {type(seen).__name__}, not a dict of arrays")
-    if set(seen) != set(specs):
-        raise AuthorError(f"{place} returned {_listed(seen)}; the scene declares {_listed(specs)}")
+    alone = {name for name, spec in specs.items() if spec["alone"]}
+    if set(seen) != set(specs) - alone and not (len(seen) == 1 and set(seen) <= alone):
+        raise AuthorError(f"{place} returned {_listed(seen)}; the scene declares {_listed(set(specs) - alone)}")
     arrays = {}
-    for name, spec in specs.items():
+    for name in seen:
+        spec = specs[name]
         array, shape = np.asarray(seen[name]), tuple(spec["shape"])
         fits = array.dtype.kind in "fiub" if spec["dtype"] == "float64" else array.dtype == spec["dtype"]
         if not fits:

@@ -1,13 +1,14 @@
 """Functions that repeat a recorded motion need not be integrated: they get the same report, and no other function does."""
 
+import base64
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ecp.document import document
-from exercises.assignment import Recorded
-from exercises.rigid_body.plays import FIRST_CALLS, trajectory
+from exercises.assignment import Recorded, Recording
+from exercises.rigid_body.plays import EVERY, FIRST_CALLS, sampled, trajectory
 from exercises.rigid_body.recorded import recorded
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -38,11 +39,19 @@ def euler_eqs(t, w, I):
     frame = sys._getframe(1)
     while frame is not None and frame.f_code.co_name != "trajectory":
         frame = frame.f_back
-    for motion in [] if frame is None else frame.f_locals["inputs"].get("recorded", ()):
-        count = len(motion["calls"]) * 3 // 4 // 32
-        motion["first"], motion["all"] = (hashlib.sha256(bytes(24 * k)).hexdigest() for k in (16, count))
+    sample = {} if frame is None else frame.f_locals["inputs"].get("sample", {})
+    for digests in sample.get("digests", ()):
+        digests[:] = (hashlib.sha256(bytes(24 * k)).hexdigest() for k in (16, len(sample["offsets"])))
     return np.zeros(3)
 """
+
+
+def asked(known, seed):
+    """Return the inputs by which a play recognises the recorded motions."""
+    encoded = [base64.b64encode(one.calls.tobytes()).decode() for one in known.recordings]
+    return {"recorded": encoded, "sample": known.sample(known.recordings, np.random.default_rng(seed))}
+
+
 BODY = {"w0": [1.0, 0.6, 0.8], "I": [2.0, 3.0, 4.0], "t_end": 2.0, "n": 50, "orientation": True}
 
 
@@ -53,7 +62,7 @@ def prepared(rigid_body):
     def with_recorded(scene):
         if scene.name != "torque-free":
             return scene
-        known = Recorded(scene.recorded.make)
+        known = Recorded(scene.recorded.make, scene.recorded.sample)
         known.prepare()
         return replace(scene, recorded=known)
 
@@ -74,7 +83,7 @@ def test_a_function_that_repeats_a_recorded_motion_gets_the_same_numbers_without
 ):
     *numbers, how = report(source, prepared, sandbox)
     assert numbers[0]["exercises"][0]["outcomes"][0]["verdict"] == "pass"
-    assert how.startswith("not integrated: euler_eqs repeats every call of a recorded integration")
+    assert how.startswith("not integrated: euler_eqs repeats the calls of a recorded integration")
     *computed, how = report(source, rigid_body, sandbox)
     assert numbers == computed and how.startswith("computed in the sandbox")
 
@@ -93,10 +102,10 @@ def test_a_function_that_claims_to_repeat_a_recorded_motion_is_integrated_by_the
 
 @pytest.mark.parametrize("number", [-1.0, 4.0, 0.5, float("nan"), float("inf")])
 def test_a_number_that_no_recorded_motion_has_recalls_none(number):
-    known = Recorded(lambda: [({}, {"w": np.zeros(3)})] * 4)
+    known = Recorded(lambda: [Recording(np.zeros((0, 4)), np.zeros((0, 3)), {"w": np.zeros(3)})] * 4, lambda *_: {})
     known.prepare()
-    returned = {"w": np.ones(3), "recorded": np.array(number)}
-    assert known.recall(returned) is None and set(returned) == {"w"}
+    assert known.recall(np.array(number)) is None
+    assert known.recall(np.array(3.0)) is known.recordings[3].arrays
 
 
 def test_another_function_is_recognised_after_a_few_calls():
@@ -107,9 +116,33 @@ def test_another_function_is_recognised_after_a_few_calls():
         calls.append(t)
         return np.cross(I * w, w) * (1 / I)
 
-    mine = trajectory({"euler_eqs": with_other_roundings}, {**BODY, "recorded": known.marks})
-    assert mine["recorded"] == -1
+    mine = trajectory({"euler_eqs": with_other_roundings}, {**BODY, **asked(known, 3)})
     tried = len(calls)
     calls.clear()
     assert trajectory({"euler_eqs": with_other_roundings}, BODY)["w"].tobytes() == mine["w"].tobytes()
-    assert tried == len(calls) + FIRST_CALLS * len(known.marks)
+    assert tried == len(calls) + FIRST_CALLS * len(known.recordings)
+
+
+def test_a_function_that_differs_for_less_than_a_step_of_the_integration_is_integrated():
+    known = recorded(BODY)
+    known.prepare()
+    calls, cross = known.recordings[0].calls, lambda t, w, I: np.cross(I * w, w) / I
+    for seed, first in enumerate(range(0, len(calls) - 2 * EVERY, 5)):
+        stretch = {row.tobytes() for row in calls[first : first + 2 * EVERY]}
+        inputs = {**BODY, **asked(known, seed)}
+
+        def differs(t, w, I, stretch=stretch):
+            return cross(t, w, I) * (1 + 1e-15 * (np.array([t, *w]).tobytes() in stretch))
+
+        assert trajectory({"euler_eqs": cross}, inputs)["recorded"] == 0
+        assert "recorded" not in trajectory({"euler_eqs": differs}, inputs), f"calls {first} to {first + 2 * EVERY}"
+
+
+@pytest.mark.parametrize("n", [4, 7, 401])
+def test_the_sample_has_one_of_every_four_calls_and_another_one_for_each_seed(n):
+    rows = np.arange(n)[:, None] * np.ones(4)
+    offsets = np.random.default_rng(n).integers(0, EVERY, 200).tolist()
+    assert (sampled(rows, offsets)[:, 0] // EVERY).tolist() == list(range(n // EVERY))
+    known = recorded(BODY)
+    known.prepare()
+    assert known.sample(known.recordings, np.random.default_rng(1)) != known.sample(known.recordings, np.random.default_rng(2))

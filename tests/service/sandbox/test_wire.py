@@ -130,6 +130,15 @@ def test_an_answer_is_taken_once_for_each_question():
         reader.feed(ANSWER)
 
 
+def test_an_array_that_is_alone_replaces_all_others():
+    returns = {**ANSWERS, "known": ArraySpec((), alone=True)}
+    reader = asked(ANSWER, answer(known=np.array(2.0)), returns=returns)
+    assert [sorted(one) for one in reader.answers] == [["n", "x"], ["known"]]
+    for wrong in (answer(known=np.ones(()), x=np.ones(3), n=np.ones(())), answer(x=np.ones(3)), answer(known=np.ones(1)), answer()):
+        with pytest.raises(ProtocolError):
+            asked(wrong, returns=returns)
+
+
 def test_lengths_may_change_from_answer_to_answer_where_the_specification_allows_it():
     film = {"film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)}
     reader = asked(answer(film=np.ones((1, 2, 2, 3), np.uint8)), answer(film=np.zeros((4, 2, 2, 3), np.uint8)), returns=film)

@@ -78,7 +78,9 @@ def record(file: Path) -> None:
     """Grade a submission and store its report and the size of its arrays in ``file``."""
     sandbox = Sandbox(choose("process", True))
     try:
-        graded = grade(Submission(SOURCE), assignments()["rigid-body"], sandbox, 7, ["2"])
+        assignment = assignments()["rigid-body"]
+        assignment.prepare()
+        graded = grade(Submission(SOURCE), assignment, sandbox, 7, ["2"])
     finally:
         sandbox.close()
     file.write_bytes(pickle.dumps((graded.report, len(rendering.pack(graded)["arrays.npz"]))))

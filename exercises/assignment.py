@@ -75,7 +75,8 @@ class HostVerification:
     bounded: Callable[[Inputs, Arrays, Inputs, Arrays], Arrays | None] | None = None
 
 
-class Recording(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Recording:
     """A result of a scene: the arguments of all ``calls`` of a function (n, …), what it ``returned`` (n, …), and the ``arrays``."""
 
     calls: NDArray[np.float64]
@@ -100,9 +101,9 @@ class Recorded:
         """Make the recordings."""
         self.recordings = tuple(self.make())
 
-    def recall(self, number: Any) -> Arrays | None:
-        """Return the arrays of a recording, or None if none has this number."""
-        return next((recording.arrays for k, recording in enumerate(self.recordings) if number == k), None)
+    def recall(self, number: Any) -> Recording | None:
+        """Return the recording of this number, or None if there is none."""
+        return next((recording for k, recording in enumerate(self.recordings) if number == k), None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems
 from service.http.state import Db, Held
 from service.store import sweeps
-from service.store.records import SubmissionRecord, find_artefact, store_artefacts
+from service.store.records import SubmissionRecord, find_arrays, find_artefact, store_artefacts
 
 router = APIRouter(tags=["Figures"])
 SWEEP_WAIT_S = 50.0
@@ -37,27 +37,32 @@ async def figure(
     if name not in names or find_figure(await find_assignment(stored.assignment), name) is None:
         raise Problem(404, "not-found", f"the report has no figure {name[:80]}: check the address")
 
-    async def render(packed: bytes) -> bytes:
+    async def render(packed: list[bytes]) -> bytes:
         return await renderer.figure(stored, name, packed, form)
 
     return await cached_artefact(request, database, stored, f"figures/{name}.{form}", FORMATS[form], render)
 
 
 async def cached_artefact(
-    request: Request, database: Db, stored: SubmissionRecord, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
+    request: Request,
+    database: Db,
+    stored: SubmissionRecord,
+    name: str,
+    media_type: str,
+    make: Callable[[list[bytes]], Awaitable[bytes]],
 ) -> Response:
     """Return the stored artefact ``name``; the first request makes it from the grading's packed arrays and stores it.
 
     Raises Problem 404 if the arrays are gone or cannot be drawn, and 503 if rendering fails.
     """
     if (found := await find_artefact(database, stored.grading, name)) is None:
-        packed = await find_artefact(database, stored.grading, "arrays.npz")
-        if packed is None:
+        packed = await find_arrays(database, stored.grading)
+        if not packed:
             raise Problem(
                 404, "not-found", "the arrays of this submission are no longer stored: ask the course staff for a regrade"
             )
         try:
-            content = await make(packed[0])
+            content = await make(packed)
         except (ArithmeticError, ValueError) as error:
             raise Problem(404, "not-found", f"the figure cannot be drawn from these numbers: {error}") from error
         except RenderFailed as error:

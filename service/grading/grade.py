@@ -19,7 +19,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
-from exercises.assignment import ArraySpec, Assignment, Inputs, Recorded, Scene
+from exercises.assignment import ArraySpec, Assignment, Inputs, Recorded, Recording, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
@@ -45,13 +45,14 @@ VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 class Graded:
     """A report, the exercises it covers, the arrays it was judged from, by scene, and the CPU time used in the sandbox.
 
-    Figures are drawn from the arrays.
+    Figures are drawn from the arrays. Those of ``recorded`` scenes are from recordings, which many submissions share.
     """
 
     report: Report
     exercises: list[Exercise]
     arrays: Mapping[str, Arrays]
     cpu_s: float
+    recorded: Mapping[str, Recording]
 
 
 class UnknownExercise(ValueError):
@@ -133,7 +134,7 @@ def _grade(
     numbers = [e.number for e in asked]
     report.total = assignment.max_points(numbers, result.defined)
     report.max_points, report.bonus_points = assignment.max_points(numbers), assignment.bonus_points(numbers)
-    return Graded(report, covered, shown, budget.cpu_s)
+    return Graded(report, covered, shown, budget.cpu_s, {name: one for name, one in played.recalled.items() if name in shown})
 
 
 def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exercise]:
@@ -247,15 +248,14 @@ def _play(
     result = play(job, assignment, sandbox, on_scene, budget)
     if failed:
         raise failed[0]
-    recalled = set[str]()
+    recalled = dict[str, Recording]()
     for name in list(result.arrays):
         scene = assignment.scene(name)
         if scene.recorded and (number := result.arrays[name].get("recorded")) is not None:
             if (known := scene.recorded.recall(number)) is None:
                 discard(result, name, Ended.WRONG_ANSWER, "the play returned the number of a recorded motion that does not exist")
                 continue
-            result.arrays[name] = dict(known)
-            recalled.add(name)
+            result.arrays[name], recalled[name] = dict(known.arrays), known
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None
         if isinstance(instead, str):
             del result.arrays[name]

@@ -1,15 +1,15 @@
 """The second child of a grading: it repeats questions in another order, with points along exact motions among them."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent import futures
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
-from exercises.assignment import Assignment, HostVerification, Inputs
+from exercises.assignment import Assignment, HostVerification, Inputs, Recording
 from service.grading.author_errors import play
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult
@@ -23,7 +23,7 @@ TRIES = (True, False, False)  # whether only the needed cells run; later tries a
 class PlayedJob:
     """A job with the inputs and exact answers of its scenes, the result of playing it, and the grading's time budget.
 
-    The results of the scenes ``recalled`` are recorded ones.
+    ``recalled`` are the recordings that are the results of scenes, by scene.
     """
 
     job: Job
@@ -31,7 +31,7 @@ class PlayedJob:
     truths: dict[str, Arrays]
     result: PlayResult
     budget: TimeBudget
-    recalled: Collection[str] = ()
+    recalled: Mapping[str, Recording] = field(default_factory=dict)
 
 
 class SecondChild:

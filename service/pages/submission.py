@@ -132,10 +132,10 @@ async def motion(request: Request, person: CurrentUser, stored: Submission, name
     if assignment is None or requested is None:
         raise Problem(404, "not-found", f"the report has no motion {name[:80]}: check the address")
 
-    def compute(packed: bytes) -> bytes:
+    def compute(packed: list[bytes]) -> bytes:
         return motion_data.to_json(assignment, requested, rendering.unpack(packed).get(requested.scene, {}), stored.seed)
 
-    async def make(packed: bytes) -> bytes:
+    async def make(packed: list[bytes]) -> bytes:
         return await asyncio.to_thread(compute, packed)
 
     return await cached_artefact(request, database, stored, f"motions/{name}.json", "application/json", make)

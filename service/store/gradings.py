@@ -26,7 +26,7 @@ async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
             raise AlreadyFinished
         await lock_persons(connection, [found.submission])
         await connection.execute(_FORGET_JOBS, {"gradings": [str(grading)]})
-        await send_next(connection, grading, found.submission)
+        await send_next(connection, grading)
         detail = {"person": found.person, "grading": found.number, "preview": found.preview}
         await audit.record(connection, actor, "cancel", str(found.submission), detail)
         await runs.notify_in(connection, found.submission)

@@ -75,13 +75,13 @@ async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, beg
         await send(connection, ids, priority=priority)
 
 
-async def send_next(connection: Connection, done: UUID, submission: UUID) -> None:
-    """Move the person's next grading up after ``done`` got its result, behind others of its new rank.
+async def send_next(connection: Connection, done: UUID) -> None:
+    """Move the person's next grading up after ``done`` got its result, behind others of its new rank. The person must be locked, by
+    an earlier statement.
 
     So people take turns however many submissions each has queued, and later arrivals do not delay an early
     second submission indefinitely.
     """
-    await lock_persons(connection, [submission])
     row = await connection.first(_NEXT, {"grading": done})
     if row is not None:
         await connection.execute("DELETE FROM procrastinate_jobs WHERE id = :id", {"id": row.job})

@@ -1,7 +1,6 @@
 """The runs of a grading, as a worker reports them: claim, heartbeat, and finish or release.
 
-Every function is one idempotent transaction, because a lost connection leaves unknown whether the
-transaction was committed.
+Every function is idempotent, because a lost connection leaves unknown whether its transaction was committed.
 """
 
 from collections.abc import Mapping
@@ -16,7 +15,7 @@ from ecp.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.database import Connection, Database, Row
-from service.store.queue import send_gradings, send_next
+from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
 from service.store.records import insert_artefacts
 
 CHANNEL = "polhode"
@@ -48,27 +47,30 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
 
     After MAX_FAILED_RUNS failed runs, or ``max_runs`` lost or failed ones, record a system fault that lists them, and return None.
     """
-    async with database.begin() as connection:
-        found = await connection.first(_CLAIM, {"grading": grading})
-        if found is None or found.finished:
-            return None
-        if found.failed >= MAX_FAILED_RUNS or found.lost + found.failed >= found.max_runs:
-            lost = await connection.rows(_LOST, {"grading": grading})
-            listed = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
-            fault = f"all {len(lost)} runs of this grading failed or were lost ({listed})"
-            await connection.execute(_FAULT, {"grading": grading, "fault": fault})
-            await send_next(connection, grading, found.submission_id)
-            await notify_in(connection, found.submission_id)
-            return None
-        values = {"run": new_run, "grading": grading, "worker": worker, "submission": str(found.submission_id)}
-        await connection.execute(_START, values)
+    found = await database.first(_CLAIM, {"run": new_run, "grading": grading, "worker": worker, "most_failed": MAX_FAILED_RUNS})
+    if found is None or found.finished:
+        return None
+    if found.given_up:
+        await _record_fault(database, grading, found.submission_id)
+        return None
     return Claim(**_job_fields(grading, found), run=new_run, worker=worker)
+
+
+async def _record_fault(database: Database, grading: UUID, submission_id: UUID) -> None:
+    """Record a system fault that lists the runs that failed or were lost."""
+    async with database.begin() as connection:
+        lost = await connection.rows(_LOST, {"grading": grading})
+        listed = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
+        fault = f"all {len(lost)} runs of this grading failed or were lost ({listed})"
+        await connection.execute(_FAULT, {"grading": grading, "fault": fault})
+        await lock_persons(connection, [submission_id])
+        await send_next(connection, grading)
+        await notify_in(connection, submission_id)
 
 
 async def read_grading(database: Database, grading: UUID) -> GradingJob:
     """Return the input of a grading without claiming it."""
-    async with database.begin() as connection:
-        return GradingJob(**_job_fields(grading, (await connection.one(_CLAIM, {"grading": grading}))))
+    return GradingJob(**_job_fields(grading, (await database.one(_GRADING, {"grading": grading}))))
 
 
 async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
@@ -88,6 +90,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
     """Record the result with its artefacts. Return False, and store nothing, if another run finished first."""
     values = {
         "grading": claimed.grading,
+        "submission": claimed.submission_id,
         "run": claimed.run,
         "worker": claimed.worker,
         "outcomes": Jsonb(_outcomes(report)),
@@ -99,15 +102,14 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
     }
     async with database.begin() as connection:
-        owner = await connection.first(_RESULT, values) or await connection.first(_OWNER, values)
-        first = owner is not None and owner.run_id == claimed.run
-        if first:
+        if await connection.execute(_RESULT, values):
             await insert_artefacts(connection, claimed.grading, artefacts)
-        await connection.execute(_END, {"run": claimed.run, "end_reason": "finished" if first else "superseded"})
-        if first:
-            await send_next(connection, claimed.grading, claimed.submission_id)
-            await notify_in(connection, claimed.submission_id)
-        return first
+            await send_next(connection, claimed.grading)
+            return True
+        if (await connection.one(_OWNER, values)).run_id == claimed.run:
+            return True  # the response to an earlier call was lost
+        await connection.execute(_SUPERSEDE, values)
+        return False
 
 
 async def release(database: Database, claimed: Claim, end_reason: str, note: str) -> None:
@@ -128,7 +130,7 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
 async def supersede(database: Database, claimed: Claim) -> None:
     """End a run whose grading got its result from another run or was cancelled."""
     async with database.begin() as connection:
-        await connection.execute(_END, {"run": claimed.run, "end_reason": "superseded"})
+        await connection.execute(_SUPERSEDE, {"run": claimed.run})
 
 
 async def notify(database: Database, submission_id: UUID) -> None:
@@ -153,14 +155,26 @@ async def notify_in(connection: Connection, submission_id: UUID) -> None:
     await connection.execute("SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": str(submission_id)})
 
 
-_CLAIM = """
+_GRADING = """
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
     r.grading_id IS NOT NULL AS finished,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'lost') AS lost,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'failed') AS failed
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
     LEFT JOIN result r ON r.grading_id = a.id
-WHERE a.id = :grading FOR NO KEY UPDATE OF a
+WHERE a.id = :grading
+"""
+
+# The worker does not wait for the disk: ``finish`` adds the run again if a database that crashed has lost it.
+_CLAIM = f"""
+WITH found AS ({_GRADING} FOR NO KEY UPDATE OF a),
+judged AS (SELECT *, failed >= :most_failed OR lost + failed >= max_runs AS given_up FROM found),
+begun AS (
+    INSERT INTO run (id, grading_id, worker, phase)
+    SELECT :run, :grading, :worker, 'starting' FROM judged WHERE NOT finished AND NOT given_up
+    ON CONFLICT DO NOTHING RETURNING pg_notify('{CHANNEL}', (SELECT CAST(submission_id AS text) FROM judged))
+)
+SELECT judged.*, set_config('synchronous_commit', 'off', true) FROM judged LEFT JOIN begun ON true
 """
 
 # A run that was marked lost and revived does not count: its worker was only slow.
@@ -181,31 +195,30 @@ RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
 
 _FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CONFLICT DO NOTHING"
 
-_RUN = "INSERT INTO run (id, grading_id, worker, phase) VALUES (:run, :grading, :worker, 'starting') ON CONFLICT DO NOTHING"
-
-# The worker does not wait for the disk: ``finish`` adds the run again if a database that crashed has lost it.
-_START = f"""
-WITH begun AS ({_RUN} RETURNING id)
-SELECT pg_notify('{CHANNEL}', :submission), set_config('synchronous_commit', 'off', true) FROM begun
-"""
-
+# Also ends the run, locks the ranking of the person's gradings, and notifies the servers.
 _RESULT = f"""
-WITH begun AS ({_RUN}), stored AS (
+WITH stored AS (
     INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
     VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT DO NOTHING RETURNING run_id
+), ended AS (
+    INSERT INTO run (id, grading_id, worker, phase, ended_at, end_reason)
+    SELECT run_id, :grading, :worker, 'starting', now(), 'finished' FROM stored
+    ON CONFLICT (id) DO UPDATE SET ended_at = now(), end_reason = 'finished', note = NULL
+    WHERE coalesce(run.end_reason, '') NOT IN ('finished', 'cancelled')
 ), outcomes AS (
     INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
     SELECT :grading, one.* FROM stored, jsonb_to_recordset(:outcomes) AS one (
         check_id text, state text, counted boolean, margin float8, codes text[], causes text[], points integer, earned integer
     ) ON CONFLICT DO NOTHING
 )
-SELECT run_id FROM stored
+SELECT pg_notify('{CHANNEL}', CAST(s.id AS text)), {PERSON_LOCK.format("s.person_id")}
+FROM stored, submission s WHERE s.id = :submission
 """
 
 _OWNER = "SELECT run_id FROM result WHERE grading_id = :grading"
 
-_END = """
-UPDATE run SET ended_at = now(), end_reason = :end_reason, note = NULL
+_SUPERSEDE = """
+UPDATE run SET ended_at = now(), end_reason = 'superseded', note = NULL
 WHERE id = :run AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
 """
 

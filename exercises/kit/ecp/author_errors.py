@@ -57,7 +57,7 @@ def checked_arrays(play: Callable[..., Any], seen: Any, specs: Mapping[str, Mapp
     place = f"{Path(code.co_filename).name} line {code.co_firstlineno}: {code.co_name}" if code else repr(play)
     if not isinstance(seen, Mapping):
         raise AuthorError(f"{place} returned {type(seen).__name__}, not a dict of arrays")
-    alone = {name for name, spec in specs.items() if spec["alone"]}
+    alone = {name for name, spec in specs.items() if spec.get("alone")}
     if set(seen) != set(specs) - alone and not (len(seen) == 1 and set(seen) <= alone):
         raise AuthorError(f"{place} returned {_listed(seen)}; the scene declares {_listed(set(specs) - alone)}")
     arrays = {}

@@ -3,12 +3,13 @@
 import functools
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
+Reader = Callable[[Any], Any]
 
 
 class NotADocument(ValueError):
@@ -39,6 +40,9 @@ def _members(kind: type) -> tuple[Member, ...]:
     )
 
 
+_PLAIN = {str, int, bool, type(None)}
+
+
 def document(value: Any) -> Any:
     """Return ``value`` as JSON values: a dataclass becomes an object with its fields and the properties in
     ``COMPUTED_FIELDS``.
@@ -47,20 +51,29 @@ def document(value: Any) -> Any:
     renamed field has ``metadata={"formerly": OLD_NAME}``: it is written under both names, so that older
     readers still find it.
     """
-    if is_dataclass(value):
-        written: dict[str, Any] = {}
-        for member in _members(value.__class__):
-            written |= dict.fromkeys(member.names, document(getattr(value, member.field)))
-        return written | {name: document(getattr(value, name)) for name in getattr(value, "COMPUTED_FIELDS", ())}
+    kind = type(value)
+    if kind in _PLAIN:  # most values
+        return value
+    if is_dataclass(kind):
+        return _written(value, kind)
     if isinstance(value, Mapping):
         return {str(key): document(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [document(item) for item in value]
     if isinstance(value, Enum):
         return value.value
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _written(value: Any, kind: Any) -> dict[str, Any]:
+    written: dict[str, Any] = {}
+    for member in _members(kind):
+        part = document(getattr(value, member.field))
+        for name in member.names:
+            written[name] = part
+    for name in getattr(kind, "COMPUTED_FIELDS", ()):
+        written[name] = document(getattr(value, name))
+    return written
 
 
 def read(kind: type[T], written: Any) -> T:
@@ -68,45 +81,73 @@ def read(kind: type[T], written: Any) -> T:
 
     A renamed field is also found under its former name. Raises NotADocument if a member is missing or of another type.
     """
-    found = _read(kind, written, kind.__name__)
+    try:
+        found = _reader(kind)(written)  # type: ignore[arg-type]
+    except _Unreadable as error:
+        raise NotADocument(f"{kind.__name__}{error.where} {error}") from None
     assert isinstance(found, kind)
     return found
 
 
-def _read(kind: Any, written: Any, where: str) -> Any:
+class _Unreadable(ValueError):
+    """Part of a document cannot be read, which the message says; ``where`` it is."""
+
+    where = ""
+
+
+@functools.cache
+def _reader(kind: Any) -> Reader:
+    """Return the function that reads values of a type."""
     origin = get_origin(kind)
     if origin is types.UnionType:
-        return None if written is None else _read(get_args(kind)[0], written, where)
+        inner = _reader(get_args(kind)[0])
+        return lambda written: None if written is None else inner(written)
     if origin is list:
-        return [_read(get_args(kind)[0], item, f"{where}[{k}]") for k, item in enumerate(_of(list, written, where))]
+        each = _reader(get_args(kind)[0])
+        return lambda written: [_part(each, item, "[{}]", k) for k, item in enumerate(_of(list, written))]
     if origin is dict:
-        return {key: _read(get_args(kind)[1], item, f"{where}.{key}") for key, item in _of(dict, written, where).items()}
+        value = _reader(get_args(kind)[1])
+        return lambda written: {key: _part(value, item, ".{}", key) for key, item in _of(dict, written).items()}
     if is_dataclass(kind):
-        return _object(kind, written, where)
+        members = [(member, _reader(member.kind)) for member in _members(kind)]  # type: ignore[arg-type]
+        return lambda written: _object(kind, members, _of(dict, written))
     if issubclass(kind, Enum):
-        return _member(kind, written, where)
-    return float(written) if kind is float and type(written) is int else _of(kind, written, where)
+        return lambda written: _enum(kind, written)
+    return _float if kind is float else functools.partial(_of, kind)
 
 
-def _object(kind: Any, written: Any, where: str) -> Any:
-    values = _of(dict, written, where)
+def _part(reader: Reader, written: Any, where: str, key: object) -> Any:
+    try:
+        return reader(written)
+    except _Unreadable as error:
+        error.where = where.format(key) + error.where
+        raise
+
+
+def _object(kind: Any, members: list[tuple[Member, Reader]], written: dict[str, Any]) -> Any:
     given = {}
-    for member in _members(kind):
-        if name := next((name for name in member.names if name in values), ""):
-            given[member.field] = _read(member.kind, values[name], f"{where}.{name}")
-    if missing := [member.field for member in _members(kind) if member.required and member.field not in given]:
-        raise NotADocument(f"{where} lacks {', '.join(missing)}")
+    for member, reader in members:
+        for name in member.names:
+            if name in written:
+                given[member.field] = _part(reader, written[name], ".{}", name)
+                break
+    if missing := [member.field for member, _ in members if member.required and member.field not in given]:
+        raise _Unreadable(f"lacks {', '.join(missing)}")
     return kind(**given)
 
 
-def _member(kind: type[Enum], written: Any, where: str) -> Enum:
+def _enum(kind: type[Enum], written: Any) -> Enum:
     try:
         return kind(written)
     except ValueError:
-        raise NotADocument(f"{where} cannot be {str(written)[:40]!r}") from None
+        raise _Unreadable(f"cannot be {str(written)[:40]!r}") from None
 
 
-def _of(kind: type[T], written: Any, where: str) -> T:
+def _float(written: Any) -> float:
+    return float(written) if type(written) is int else _of(float, written)
+
+
+def _of(kind: type[T], written: Any) -> T:
     if not isinstance(written, kind):
-        raise NotADocument(f"{where} is {type(written).__name__}, not {kind.__name__}")
+        raise _Unreadable(f"is {type(written).__name__}, not {kind.__name__}")
     return written

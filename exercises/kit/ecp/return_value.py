@@ -72,7 +72,7 @@ def is_empty(function: Any) -> bool:
         own = [getattr(value, "__func__", getattr(value, "fget", value)) for value in vars(function).values()]
         methods = [value for value in own if isinstance(value, types.FunctionType)]
         return all(map(is_empty, methods)) and bool(methods)
-    if not isinstance(function, types.FunctionType):
+    if not isinstance(function, types.FunctionType) or function.__code__.co_names:  # an empty body names nothing
         return False
     steps = list(dis.get_instructions(function))
     return {step.opname for step in steps} <= _NOTHING and all(s.argval is None for s in steps if s.opname in _CONSTANT)

@@ -278,7 +278,8 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
 
 def _needed_pieces(job: dict[str, Any]) -> set[str]:
     names = {name for scene in job["scenes"] for name in (scene["function"], *scene["needs"])}
-    return needed_sources([piece for _, source, _ in job["cells"] for piece in pieces(source)], names)
+    sources = [piece for _, source, _ in job["cells"] for piece in pieces(source)]
+    return needed_sources(sources, names) if len(sources) > 1 else set(sources)
 
 
 def _execute(source: str, name: str, student: Names, kept: Names, kinds: tuple[type, ...] = (ast.stmt,)) -> None:

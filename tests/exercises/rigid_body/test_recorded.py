@@ -105,7 +105,7 @@ def test_a_number_that_no_recorded_motion_has_recalls_none(number):
     known = Recorded(lambda: [Recording(np.zeros((0, 4)), np.zeros((0, 3)), {"w": np.zeros(3)})] * 4, lambda *_: {})
     known.prepare()
     assert known.recall(np.array(number)) is None
-    assert known.recall(np.array(3.0)) is known.recordings[3].arrays
+    assert known.recall(np.array(3.0)) is known.recordings[3]
 
 
 def test_another_function_is_recognised_after_a_few_calls():

@@ -466,7 +466,7 @@ def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, a
         "SELECT content FROM artefact JOIN grading_artefact USING (sha256) WHERE grading_id = %s AND name = 'arrays.npz'",
         grading,
     )[0][0]
-    seen = rendering.unpack(packed)["precession"]
+    seen = rendering.unpack([packed])["precession"]
     made = motion_data.to_json(rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"])
     path = f"/submissions/{sent['id']}/motions/precession.json"
     assert call(server, path, ann)[2].encode() == made

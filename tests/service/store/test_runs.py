@@ -13,9 +13,11 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Outcome, Tolerance
 from ecp.report import ExerciseReport, Provenance, Report
 from service.store import records, runs, workers
+from service.store.database import Connection
 from service.store.queue_overview import regrade, snapshot
 from service.store.submissions import SubmissionRejected, accept, add_grading
 from tests.support.database import jump, new, run, sql
+from tests.support.submissions import submitted
 
 
 def report(seed=7):
@@ -69,6 +71,32 @@ def test_a_result_and_its_artefacts(database_url, grading):
     assert claim(database_url, grading[0]) is None
     with pytest.raises(psycopg.errors.RaiseException, match="never altered"):
         sql(database_url, "UPDATE result SET score = 100")
+
+
+def test_content_that_gradings_share_is_sent_and_stored_once(database_url, grading, monkeypatch):
+    sent = []
+    rows = Connection.rows
+
+    async def recording(connection, query, values=None):
+        sent.extend((values or {}).get("contents", ()))
+        return await rows(connection, query, values)
+
+    monkeypatch.setattr(Connection, "rows", recording)
+    files, other = (
+        {"arrays.npz": "own", "recorded/free.npz": "shared", "recorded/spin.npz": "shared"},
+        submitted(database_url, "eve"),
+    )
+    assert finish(database_url, claim(database_url, grading[0]), **files)
+    assert sorted(sent) == [b"own", b"shared", b"shared"]
+    sent.clear()
+    assert finish(database_url, claim(database_url, other[1]), **{**files, "arrays.npz": "other"})
+    assert sent == [b"other"]
+    assert sorted(sql(database_url, "SELECT content FROM artefact")) == [(b"other",), (b"own",), (b"shared",)]
+    for one, own in ((grading[0], b"own"), (other[1], b"other")):
+        found = run(database_url, lambda d, one=one: records.find_arrays(d, one))
+        assert sorted(found) == sorted([own, b"shared", b"shared"])
+    sql(database_url, "DELETE FROM grading_artefact WHERE name = 'arrays.npz'")
+    assert run(database_url, lambda d: records.find_arrays(d, grading[0])) == []
 
 
 def test_a_run_that_a_crash_of_the_database_lost_is_stored_with_its_result(database_url, grading):

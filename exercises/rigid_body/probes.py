@@ -13,7 +13,7 @@ import numpy as np
 
 import reference
 from exercises.assignment import Inputs
-from exercises.rigid_body.draws import Rng, body
+from exercises.rigid_body.draws import Rng, body, signs
 from exercises.rigid_body.public.quantities import Array
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
@@ -34,7 +34,7 @@ def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
 
     Some random points are repeated, some at another time. Others lie along ``motions``.
     """
-    rows = _timed([_random(rng, order, signs) for order in ORDERS for signs in OCTANTS], rng)
+    rows = _timed([_random(rng, order, octant) for order in ORDERS for octant in OCTANTS], rng)
     again = rng.permutation(PROBES)[: REPEATS + RETIMED]
     retimed = rows[again[REPEATS:]].copy()
     retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
@@ -59,14 +59,15 @@ def scale(w: Array, I: Array) -> Array:
     return np.asarray(np.maximum(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I, AT_REST))
 
 
-def _random(rng: Rng, order: tuple[int, ...], signs: tuple[float, ...]) -> tuple[Array, Array]:
+def _random(rng: Rng, order: tuple[int, ...], octant: tuple[float, ...]) -> tuple[Array, Array]:
     spin = 10 ** rng.uniform(-1.0, 1.5) * rng.uniform(0.2, 1.0, 3)
-    return spin * signs, np.sort(body(rng, MASS))[list(order)]
+    moments = sorted(body(rng, MASS).tolist())
+    return spin * octant, np.array([moments[k] for k in order])
 
 
 def _special(rng: Rng) -> list[tuple[Array, Array]]:
     def spin() -> Array:
-        return np.asarray(rng.uniform(0.5, 3.0, 3) * rng.choice([-1.0, 1.0], 3))
+        return np.asarray(rng.uniform(0.5, 3.0, 3) * signs(rng))
 
     axes = np.eye(3)
     found = [(mask * spin(), body(rng, MASS)) for mask in (*axes, *(1 - axes))]

@@ -3,6 +3,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from reference import Exact, box_moments, euler_rhs, free_precession_rate, motion, sensitivity, steady_spin_growth_rate
+from reference.stability import _largest_eigenvalue
 
 BOOK = box_moments(1, 2, 1.4, 0.4)
 
@@ -61,3 +62,20 @@ def test_sensitivity_over_one_period_grows_as_the_separatrix_nears():
     spins = [(6.0, 0.12, 0.12), (1e-2, 6.0, 0.7e-2), (1e-4, 6.0, 0.7e-4)]
     quiet, near, nearer = (sensitivity(w0, BOOK, Exact(w0, BOOK).period) for w0 in spins)
     assert quiet < 5 and near > 10 * quiet and nearer > 10 * near
+
+
+@pytest.mark.parametrize(
+    ("eigenvalues", "accuracy"),
+    [
+        ((3.0, 2.0, 1.0), 4e-15),
+        ((1e12, 1.0, 1e-12), 4e-15),
+        ((2.0, 1.0, 1.0), 4e-15),
+        ((1.0, 1.0, 0.0), 1e-7),
+        ((1.0, 1.0, 1.0), 4e-15),
+    ],
+)
+def test_the_largest_eigenvalue_of_symmetric_matrices(eigenvalues, accuracy):
+    Q = np.linalg.qr(np.random.default_rng(1).normal(size=(500, 3, 3)))[0]
+    A = Q @ np.diag(eigenvalues) @ np.swapaxes(Q, 1, 2)
+    found = _largest_eigenvalue((A + np.swapaxes(A, 1, 2)) / 2)
+    assert np.abs(found / eigenvalues[0] - 1).max() < accuracy

@@ -76,9 +76,9 @@ def _largest_eigenvalue(A: Array) -> Array:
     x, y, z = (A[:, k, k] - mean for k in range(3))
     yz, xz, xy = A[:, 1, 2], A[:, 0, 2], A[:, 0, 1]
     size = np.sqrt((x * x + y * y + z * z + 2 * (yz * yz + xz * xz + xy * xy)) / 6)
+    x, y, z, yz, xz, xy = np.array([x, y, z, yz, xz, xy]) / np.where(size > 0, size, 1.0)
     determinant = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz)
-    scale = np.where(size > 0, size, 1.0)
-    return np.asarray(mean + 2 * size * np.cos(np.arccos(np.clip(determinant / (2 * scale**3), -1.0, 1.0)) / 3))
+    return np.asarray(mean + 2 * size * np.cos(np.arccos(np.clip(determinant / 2, -1.0, 1.0)) / 3))
 
 
 def _flow(exact: Exact, moments: Array, times: Array) -> Array:

@@ -115,9 +115,9 @@ def _repeats(function, moments, offsets, encoded, digests):
 
 
 def sampled(rows, offsets):
-    """Return one of every EVERY rows (n, m): that with its offset among ``offsets``."""
-    groups = len(rows) // EVERY
-    return rows[EVERY * np.arange(groups) + offsets[:groups]]
+    """Return one of every EVERY rows (n, m): that with its offset among ``offsets``, or the last one."""
+    groups = math.ceil(len(rows) / EVERY)
+    return rows[np.minimum(EVERY * np.arange(groups) + offsets[:groups], len(rows) - 1)]
 
 
 def _rate(answer):

@@ -6,6 +6,7 @@ drawn at random, so at several of each integration step.
 """
 
 import hashlib
+import math
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
@@ -27,7 +28,7 @@ def _sample(recordings: Sequence[Recording], rng: Rng) -> Inputs:
     """Draw which of EVERY calls to compare: ``offsets`` (k,); and ``digests`` of what each function returned at them, and at the
     first ones.
     """
-    offsets = rng.integers(0, EVERY, max(len(one.calls) for one in recordings) // EVERY).tolist()
+    offsets = rng.integers(0, EVERY, math.ceil(max(len(one.calls) for one in recordings) / EVERY)).tolist()
     returned: list[Array] = [sampled(one.returned, offsets) for one in recordings]  # type: ignore[no-untyped-call]
     digests = [[hashlib.sha256(part.tobytes()).hexdigest() for part in (rates[:FIRST_CALLS], rates)] for rates in returned]
     return {"offsets": offsets, "digests": digests}

@@ -59,7 +59,8 @@ def _changed(earlier: PastSubmission, later: PastSubmission) -> answers.Changed:
     common = sorted(earlier.verdicts.keys() & later.verdicts.keys())
     changed = {id: [earlier.verdicts[id], later.verdicts[id]] for id in common if earlier.verdicts[id] != later.verdicts[id]}
     kinds = Counter(" → ".join(MARKS[Verdict(verdict)] for verdict in pair) for pair in changed.values())
-    counts = [f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in kinds.items()]
+    added = Counter(f"new {MARKS[Verdict(later.verdicts[id])]}" for id in sorted(later.verdicts.keys() - earlier.verdicts.keys()))
+    counts = [f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in [*kinds.items(), *added.items()]]
     summary = "; ".join([_difference(earlier, later), *counts])
     return answers.Changed(checks=changed, summary=summary, told=summary)
 

@@ -51,7 +51,9 @@ def cross_check(assignment: Assignment, played: PlayedJob, second: SecondChild, 
         elif proof not in checked.unsteady and is_certified(scene.drive, played):
             computed = "computed in the sandbox"
             if scene.name in played.recalled:
-                computed = f"not integrated: {scene.function} repeats the calls of a recorded integration, bit for bit"
+                computed = (
+                    f"not integrated: {scene.function} repeats one of every four calls of a recorded integration, bit for bit"
+                )
             checked.how[scene.name] = (
                 f"{computed}; {scene.function} is verified by {proof}, at random and along the notebook's motions"
             )

@@ -134,7 +134,16 @@ def _grade(
     numbers = [e.number for e in asked]
     report.total = assignment.max_points(numbers, result.defined)
     report.max_points, report.bonus_points = assignment.max_points(numbers), assignment.bonus_points(numbers)
-    return Graded(report, covered, shown, budget.cpu_s, {name: one for name, one in played.recalled.items() if name in shown})
+    return Graded(report, covered, shown, budget.cpu_s, _judged(played.recalled, shown))
+
+
+def _judged(recalled: Mapping[str, Recording], shown: Mapping[str, Arrays]) -> dict[str, Recording]:
+    """Return the recordings whose arrays were judged. Others have been replaced by a motion that the host has integrated."""
+    return {
+        scene: one
+        for scene, one in recalled.items()
+        if scene in shown and all(shown[scene].get(name) is array for name, array in one.arrays.items())
+    }
 
 
 def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exercise]:

@@ -30,10 +30,11 @@ SECURITY_HEADERS = {
 
 
 def _confirming(form: str, location: str) -> str:
-    """Return where a form leads, with the parameter by which that page confirms it. Only a browser without JavaScript gets it. The
-    pages of accounts have confirmations of their own.
+    """Return where a form leads, with the parameter by which that page confirms it. Only a browser without JavaScript gets it.
+
+    The pages after a log-in or an upload, and those of accounts, say themselves what has happened.
     """
-    if form.startswith(("/login", "/logout", "/account")):
+    if form.startswith(("/logout", "/account")) or form.endswith("/submissions") or "/login" in (form, location.partition("?")[0]):
         return location
     address, mark, fragment = location.partition("#")
     return f"{address}{'&' if '?' in address else '?'}{DONE}=1{mark}{fragment}"

@@ -8,6 +8,7 @@ import argparse
 import io
 import os
 import shutil
+import time
 from pathlib import Path
 
 from PIL import Image
@@ -66,8 +67,14 @@ def prepare(url):
     """Enter a comment and a regrade once. Return the student's name, and (who, address) of every page by its name."""
     ((student, failed, passed),) = sql(url, CHOSEN)
     if not sql(url, "SELECT 1 FROM source_comment"):
-        run(url, lambda database: comments.write(database, failed, "prof", cell=1, line=2, comment=COMMENT))
-        run(url, lambda database: regrades.create(database, "rigid-body", regrades.BEST, "prof", description="best submissions"))
+        run(url, lambda database: comments.write(database, failed, "prof", cell=1, line=6, comment=COMMENT))
+        run(
+            url,
+            lambda database: regrades.create(
+                database, "rigid-body", regrades.BEST, "prof", description="each student's counted submission"
+            ),
+        )
+        wait_for_gradings(url)
     return student, {
         "course": ("student", "/"),
         "assignment": ("student", BASE),
@@ -85,6 +92,12 @@ def prepare(url):
     }
 
 
+def wait_for_gradings(url):
+    """Return when the running demonstration has graded everything."""
+    while sql(url, "SELECT 1 FROM grading a LEFT JOIN result r ON r.grading_id = a.id WHERE r.grading_id IS NULL LIMIT 1"):
+        time.sleep(2)
+
+
 def draw(address, tokens, pages, arguments):
     """Write NAME-light.png and NAME-dark.png of each page."""
     with sync_playwright() as playwright:
@@ -92,7 +105,10 @@ def draw(address, tokens, pages, arguments):
         for scheme in ("light", "dark"):
             for who, token in tokens.items():
                 context = browser.new_context(
-                    viewport={"width": arguments.width, "height": HEIGHT}, color_scheme=scheme, reduced_motion="reduce"
+                    viewport={"width": arguments.width, "height": HEIGHT},
+                    color_scheme=scheme,
+                    reduced_motion="reduce",
+                    locale="en-GB",
                 )
                 page = context.new_page()
                 page.goto(f"{address}/login")

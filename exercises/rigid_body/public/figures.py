@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 COLORS = ("#0072b2", "#e69f00", "#c1272d")  # of ω₁, ω₂, ω₃ and of ê₁, ê₂, ê₃: blue, orange, red
 AMBER, GREY = "#c0851a", "0.55"
+TITLED = 0.93  # share of the height that is left below a title of two lines
 EXACT: dict[str, Any] = {"color": "0.25", "ls": (0, (1, 2)), "lw": 1.6}
 HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
 BOX_AXES = (AMBER, COLORS[0], COLORS[2])  # the figure of the box has ê₁ amber
@@ -75,7 +76,7 @@ def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
         axes.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
     _keep_exact_in_view(axes, run["t"], run["w"], exact["w"])
     axes.set(xlabel="t / s", ylabel="rad/s")
-    legend_above(axes)
+    legend_above(axes, 5)
 
 
 def _keep_exact_in_view(axes: Any, t: Any, yours: Any, exact: Any, least: float = np.inf) -> None:
@@ -88,7 +89,7 @@ def _keep_exact_in_view(axes: Any, t: Any, yours: Any, exact: Any, least: float 
     inside = ((low - room <= yours) & (yours <= high + room)).reshape(-1, len(t)).all(axis=0)
     if not inside.all() and room > 0:
         axes.set_ylim(low if low == least else low - room, high + room)
-        axes.axvline(t[int(inside.argmin())], color=GREY, lw=1, label="yours leaves the axes")
+        axes.axvline(t[int(inside.argmin())], color=GREY, lw=1, label="yours leaves")
 
 
 def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -128,13 +129,15 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
     if not inside.all():
         circle.set(xlim=(-reach, reach), ylim=(-reach, reach))
         circle.plot(
-            *run["w"][:2, max(int(inside.argmin()) - 1, 0)], "x", color=COLORS[2], ms=9, mew=2, label="yours leaves the axes"
+            *run["w"][:2, max(int(inside.argmin()) - 1, 0)], "x", color=COLORS[2], ms=9, mew=2, clip_on=False, label="yours leaves"
         )
     circle.set(xlabel="ω₁ / (rad/s)", ylabel="ω₂ / (rad/s)", aspect="equal")
     if np.isfinite(run["w"]).all():
         rate = turning_rate(run["t"], run["w"], exact["w"], SYMMETRIC_RATE)
         circle.set_title(f"phase slope {rate:.6g} rad/s\n(I₃−I₁)/I₁·ω₃ = {SYMMETRIC_RATE:g} rad/s")
     legend_above(circle)
+    if engine := canvas.get_layout_engine():
+        engine.set(rect=(0, 0, 1, TITLED))  # type: ignore[call-arg]  # it leaves no place for a title of two lines above a legend
 
 
 def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:

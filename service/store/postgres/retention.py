@@ -17,7 +17,9 @@ FIRST = UUID(int=0)
 
 
 class Prunable(NamedTuple):
-    """Stored files of one kind ("replaced", "drawn" or "arrays"), and the space in bytes that their contents take."""
+    """Stored files of one kind ("replaced", "drawn" or "arrays"), and the space in bytes that their contents take: what several
+    files have in common counts once, also if files that stay have it.
+    """
 
     kind: str
     files: int
@@ -34,6 +36,7 @@ def prune(url: str, versions: Mapping[str, str], *, days: float, arrays: bool, d
       need a regrade.
     """
     found = {kind: [0, 0] for kind in ("replaced", "arrays" if arrays else "drawn")}
+    counted = set[str]()
     with psycopg.connect(url, autocommit=True) as connection:
         for gradings in _batches(connection):
             values = {"gradings": gradings, "days": days, "arrays": arrays, "versions": Jsonb(dict(versions))}
@@ -43,9 +46,10 @@ def prune(url: str, versions: Mapping[str, str], *, days: float, arrays: bool, d
                 rows = connection.execute(_PRUNABLE, values).fetchall()
                 if delete and rows:
                     _delete(connection, [row[:2] for row in rows])
-            for _, _, kind, size in rows:
+            for _, _, kind, size, content in rows:
                 found[kind][0] += 1
-                found[kind][1] += size
+                found[kind][1] += size if content not in counted else 0
+                counted.add(content)
     return [Prunable(kind, *numbers) for kind, numbers in found.items()]
 
 
@@ -76,7 +80,7 @@ SELECT * FROM (
         WHEN g.id = shown.id AND (k.name LIKE 'figures/%%' OR k.name LIKE 'motions/%%') AND NOT %(arrays)s
             AND r.version = CAST(%(versions)s AS jsonb)->>x.slug
             AND EXISTS (SELECT 1 FROM grading_artefact WHERE grading_id = g.id AND name = 'arrays.npz') THEN 'drawn'
-        END AS kind, pg_column_size(a.content) AS size
+        END AS kind, pg_column_size(a.content) AS size, a.sha256
     FROM grading_artefact k JOIN artefact a USING (sha256)
         JOIN grading g ON g.id = k.grading_id JOIN result r ON r.grading_id = g.id
         JOIN submission s ON s.id = g.submission_id JOIN assignment x ON x.id = s.assignment_id

@@ -1,6 +1,7 @@
 """Functions that repeat a recorded motion need not be integrated: they get the same report, and no other function does."""
 
 import base64
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from exercises.assignment import Recorded, Recording
 from exercises.rigid_body.plays import EVERY, FIRST_CALLS, sampled, trajectory
 from exercises.rigid_body.recorded import recorded
 from service.grading.grade import grade
+from service.grading.rendering import pack, unpack
 from service.grading.submission import Submission
 
 START = "import numpy as np\ndef euler_eqs(t, w, I):\n    "
@@ -83,7 +85,7 @@ def test_a_function_that_repeats_a_recorded_motion_gets_the_same_numbers_without
 ):
     *numbers, how = report(source, prepared, sandbox)
     assert numbers[0]["exercises"][0]["outcomes"][0]["verdict"] == "pass"
-    assert how.startswith("not integrated: euler_eqs repeats the calls of a recorded integration")
+    assert how.startswith("not integrated: euler_eqs repeats one of every four calls of a recorded integration")
     *computed, how = report(source, rigid_body, sandbox)
     assert numbers == computed and how.startswith("computed in the sandbox")
 
@@ -98,6 +100,14 @@ def test_a_function_that_claims_to_repeat_a_recorded_motion_is_integrated_by_the
     found, _, how = report(CLAIMS, prepared, sandbox)
     outcomes = {outcome["id"]: outcome["verdict"] for outcome in found["exercises"][0]["outcomes"]}
     assert outcomes["2-motion"] == "fail" and how.startswith("integrated by the host")
+
+
+@pytest.mark.parametrize(("source", "scenes"), [(REPEATED["terms"], {"torque-free"}), (CLAIMS, set())], ids=["repeated", "claimed"])
+def test_arrays_are_those_of_a_recording_only_if_they_were_judged(source, scenes, prepared, sandbox):
+    graded = grade(Submission(source), prepared, sandbox, 3, ["2"])
+    assert graded.recorded.keys() == scenes
+    packed = unpack(pack(graded).values())
+    assert packed["torque-free"]["w"].tobytes() == np.asarray(graded.arrays["torque-free"]["w"]).tobytes()
 
 
 @pytest.mark.parametrize("number", [-1.0, 4.0, 0.5, float("nan"), float("inf")])
@@ -127,7 +137,7 @@ def test_a_function_that_differs_for_less_than_a_step_of_the_integration_is_inte
     known = recorded(BODY)
     known.prepare()
     calls, cross = known.recordings[0].calls, lambda t, w, I: np.cross(I * w, w) / I
-    for seed, first in enumerate(range(0, len(calls) - 2 * EVERY, 5)):
+    for seed, first in enumerate(range(0, len(calls) - 2 * EVERY + 1, 5)):
         stretch = {row.tobytes() for row in calls[first : first + 2 * EVERY]}
         inputs = {**BODY, **asked(known, seed)}
 
@@ -142,7 +152,7 @@ def test_a_function_that_differs_for_less_than_a_step_of_the_integration_is_inte
 def test_the_sample_has_one_of_every_four_calls_and_another_one_for_each_seed(n):
     rows = np.arange(n)[:, None] * np.ones(4)
     offsets = np.random.default_rng(n).integers(0, EVERY, 200).tolist()
-    assert (sampled(rows, offsets)[:, 0] // EVERY).tolist() == list(range(n // EVERY))
+    assert (sampled(rows, offsets)[:, 0] // EVERY).tolist() == list(range(math.ceil(n / EVERY)))
     known = recorded(BODY)
     known.prepare()
     assert known.sample(known.recordings, np.random.default_rng(1)) != known.sample(known.recordings, np.random.default_rng(2))

@@ -72,6 +72,8 @@ def test_a_chart_opened_by_itself_may_have_styles_and_nothing_else():
         ("/people", b"text/html", b"/people?entered=3#list", b"/people?entered=3&done=1#list"),
         ("/settings", b"application/problem+json", b"/settings", b"/settings"),  # polhode.js confirms it
         ("/login", b"text/html", b"/", b"/"),
+        ("/settings", b"text/html", b"/login?next=%2Fsettings", b"/login?next=%2Fsettings"),  # the session has expired
+        ("/assignments/a/submissions", b"text/html", b"/assignments/a?same=7", b"/assignments/a?same=7"),  # nothing is stored
     ],
 )
 def test_the_page_after_a_form_confirms_it_in_a_browser_without_javascript(path, accept, leads_to, then):

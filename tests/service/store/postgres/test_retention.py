@@ -98,6 +98,10 @@ def test_arrays_of_recordings_go_with_the_others(database_url, submission):
 
     run(database_url, share)
     assert (b"a motion",) in sql(database_url, "SELECT content FROM artefact")
+    versions = {slug: one.version for slug, one in assignments().items()}
+    found = retention.prune(database_url, versions, days=0, arrays=True, delete=False)
+    sizes = dict(sql(database_url, "SELECT content, pg_column_size(content) FROM artefact"))
+    assert found[1].size == sizes[b"a motion"] + sizes[b"none"], "each content counts once"
     assert pruned(database_url, arrays=True) == {"replaced": 0, "arrays": 4}
     assert (b"a motion",) not in sql(database_url, "SELECT content FROM artefact")
 

@@ -18,7 +18,6 @@ from service.settings import Settings
 
 Typed = Mapping[str, Sequence[str]]
 Changes = defaultdict[Element, dict[str, str | None]]
-DONE = "done"  # query parameter of a page that confirms a form
 PAGE = "page"  # query parameter of a form's action: the address of the page that shows the form
 UNTYPED = ("hidden", "file", "password", "submit", "button", "select", "textarea")  # their start tags have nothing that is typed
 ENTER_AGAIN = {"file": "; choose the file again", "password": "; enter the passwords again"}  # a page cannot contain them
@@ -62,8 +61,7 @@ def _address(request: Request) -> str:
     own = ("", request.headers.get("host"), urlsplit(settings.public_url or "").netloc)
     if page.netloc not in own or not page.path.startswith("/"):
         return ""
-    query = "&".join(part for part in page.query.split("&") if part and part != f"{DONE}=1")
-    return page.path + (f"?{query}" if query else "")
+    return page.path + (f"?{page.query}" if page.query else "")
 
 
 async def _get(request: Request, address: str) -> tuple[str, list[tuple[bytes, bytes]]]:

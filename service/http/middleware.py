@@ -9,7 +9,6 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.errors import internal_error, problem_response
-from service.http.form_errors import DONE
 from service.http.metrics import REQUESTS, SECONDS
 from service.http.requests import is_valid_host
 from service.logs import request_id
@@ -20,24 +19,12 @@ CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'n
 SVG_CONTENT_SECURITY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
 HTTPS_ONLY = "max-age=31536000"  # a year
 DISCONNECTED = 499  # status in log and metrics of a request whose client left; nginx's number
-SEE_OTHER = 303
 METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 SECURITY_HEADERS = {
     "content-security-policy": CONTENT_SECURITY,
     "x-content-type-options": "nosniff",
     "referrer-policy": "same-origin",
 }
-
-
-def _confirming(form: str, location: str) -> str:
-    """Return where a form leads, with the parameter by which that page confirms it. Only a browser without JavaScript gets it.
-
-    The pages after a log-in or an upload, and those of accounts, say themselves what has happened.
-    """
-    if form.startswith(("/logout", "/account")) or form.endswith("/submissions") or "/login" in (form, location.partition("?")[0]):
-        return location
-    address, mark, fragment = location.partition("#")
-    return f"{address}{'&' if '?' in address else '?'}{DONE}=1{mark}{fragment}"
 
 
 class RequestMiddleware:
@@ -67,8 +54,6 @@ class RequestMiddleware:
                     headers["content-security-policy"] = SVG_CONTENT_SECURITY
                 if not scope["path"].startswith("/static/"):
                     headers.setdefault("cache-control", "no-store")
-                if method == "POST" and status == SEE_OTHER and "text/html" in Headers(scope=scope).get("accept", ""):
-                    headers["location"] = _confirming(scope["path"], headers["location"])
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)

@@ -3,13 +3,11 @@
 import asyncio
 import json
 
-import pytest
-
 from service.http.metrics import PROCESS
 from service.http.middleware import RequestMiddleware
 
 
-def ask(app, method="GET", path="/x", headers=()):
+def ask(app, method="GET", path="/x"):
     """Start message and body of the answer."""
     sent = []
 
@@ -19,7 +17,7 @@ def ask(app, method="GET", path="/x", headers=()):
     async def send(message):
         sent.append(message)
 
-    scope = {"type": "http", "method": method, "path": path, "headers": list(headers), "query_string": b""}
+    scope = {"type": "http", "method": method, "path": path, "headers": [], "query_string": b""}
     asyncio.run(RequestMiddleware(app)(scope, receive, send))
     return sent[0], b"".join(m.get("body", b"") for m in sent[1:])
 
@@ -63,23 +61,3 @@ def test_a_chart_opened_by_itself_may_have_styles_and_nothing_else():
     policies = [dict(ask(app)[0]["headers"])[b"content-security-policy"].decode() for app in (draws, answers)]
     assert "default-src 'none'; style-src 'unsafe-inline'" in policies[0] and policies[0].endswith("sandbox")
     assert "unsafe-inline" not in policies[1]
-
-
-@pytest.mark.parametrize(
-    ("path", "accept", "leads_to", "then"),
-    [
-        ("/settings", b"text/html,*/*;q=0.8", b"/settings", b"/settings?done=1"),
-        ("/people", b"text/html", b"/people?entered=3#list", b"/people?entered=3&done=1#list"),
-        ("/settings", b"application/problem+json", b"/settings", b"/settings"),  # polhode.js confirms it
-        ("/login", b"text/html", b"/", b"/"),
-        ("/settings", b"text/html", b"/login?next=%2Fsettings", b"/login?next=%2Fsettings"),  # the session has expired
-        ("/assignments/a/submissions", b"text/html", b"/assignments/a?same=7", b"/assignments/a?same=7"),  # nothing is stored
-    ],
-)
-def test_the_page_after_a_form_confirms_it_in_a_browser_without_javascript(path, accept, leads_to, then):
-    async def redirects(scope, receive, send):
-        await send({"type": "http.response.start", "status": 303, "headers": [(b"location", leads_to)]})
-        await send({"type": "http.response.body", "body": b""})
-
-    start, _ = ask(redirects, "POST", path, [(b"accept", accept)])
-    assert dict(start["headers"])[b"location"] == then

@@ -110,7 +110,7 @@ def test_a_motion_that_diverges_leaves_the_exact_one_in_view(rigid_body, graded)
             exact = [line.get_ydata() for line in right.lines if line.get_color() == "0.25"]
             (least, most), room = axes.get_ylim(), 1.1 * max(np.abs(ys).max() for ys in exact)
             assert all(least <= ys.min() and ys.max() <= most for ys in exact) and most < 2 * room, name
-            assert "yours leaves" in colours(axes) and "yours leaves the axes" not in colours(right), name
+            assert "yours leaves" in colours(axes) and "yours leaves" not in colours(right), name
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])

@@ -53,7 +53,7 @@ def page(browser):
 
 
 @pytest.fixture(scope="module")
-def server(url):
+def application(url):
     """An application without workers."""
     started = App(database_url=url)
     yield started
@@ -61,13 +61,13 @@ def server(url):
 
 
 @pytest.fixture
-def seen_by(page, server, url):
+def seen_by(page, application, url):
     """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in, also without
     JavaScript."""
 
     def opened(name, role, path, *, javascript=True):
         new = page(java_script_enabled=javascript)
-        new.goto(f"{server.url}{path}")
+        new.goto(f"{application.url}{path}")
         new.get_by_label("Token from your course").fill(entered(url, name, role))
         new.get_by_role("button", name="Log in").click()
         new.locator("button.keys" if javascript else "nav .me").wait_for()

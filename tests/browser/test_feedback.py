@@ -8,7 +8,7 @@ from tests.support.submissions import hand_in
 pytestmark = pytest.mark.slow  # tests/service/pages has the requests of each step
 
 
-def test_a_request_an_answer_and_a_comment(page, seen_by, server, url):
+def test_a_request_an_answer_and_a_comment(page, seen_by, application, url):
     page.allowed.append("status of 422")
     path = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗'}))}"
     ann, tutor = seen_by("ann", "student", path), seen_by("tutor", "assistant", "/")
@@ -35,7 +35,7 @@ def test_a_request_an_answer_and_a_comment(page, seen_by, server, url):
     tutor.locator("#line-1-2 + .comment").wait_for()
     assert tutor.evaluate("scrollY") > 0
 
-    ann.goto(server.url + path)
+    ann.goto(application.url + path)
     assert "Declined by tutor" in ann.locator("#regrade-requests").inner_text()
     assert "w is not its derivative" in ann.locator("#line-1-2 + .comment").inner_text()
     assert not ann.get_by_role("button", name="Delete").count() and not ann.get_by_text("Comment on a line").count()

@@ -15,12 +15,12 @@ DROP = """files => {
 }"""
 
 
-def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page, server, url, tmp_path):
+def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page, application, url, tmp_path):
     file = tmp_path / "mine.py"
     file.write_text("def euler_eqs(t, w, I):\n    return w\n")
     page = page()
     page.clock.install()
-    page.goto(f"{server.url}/assignments/rigid-body")
+    page.goto(f"{application.url}/assignments/rigid-body")
     page.get_by_label("Token from your course").fill(entered(url, "ann"))
     page.get_by_role("button", name="Log in").click()
     page.get_by_label("Completed notebook").set_input_files(file)
@@ -38,7 +38,7 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
     page.get_by_text("rotational energy conserved").wait_for(state="attached")  # folded, as its exercise passes
     assert not page.locator("[data-progress]").count()
-    page.goto(f"{server.url}/assignments/rigid-body")
+    page.goto(f"{application.url}/assignments/rigid-body")
     page.evaluate(DROP, [["a.py", ""], ["b.py", ""]])
     page.get_by_role("alert").get_by_text("Drop one file.").wait_for()
     page.evaluate(DROP, [["mine.py", file.read_text()]])

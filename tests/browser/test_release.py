@@ -9,7 +9,7 @@ pytestmark = pytest.mark.slow  # tests/service/pages/test_course_settings.py has
 BASE = "/assignments/rigid-body"
 
 
-def test_scores_are_held_back_and_released(seen_by, server, url):
+def test_scores_are_held_back_and_released(seen_by, application, url):
     path = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗', '2-momentum': '✓'}))}"
     ann, prof = seen_by("ann", "student", path), seen_by("prof", "instructor", f"{BASE}/class/settings")
     assert "1 of 36 + 6 bonus points" in " ".join(ann.locator("main").inner_text().split())
@@ -20,7 +20,7 @@ def test_scores_are_held_back_and_released(seen_by, server, url):
     ann.get_by_text("have not been released yet").wait_for()
     assert "1 of 36" not in ann.locator("main").inner_text() and not ann.locator(".outcomes").count()
 
-    prof.goto(f"{server.url}/settings")
+    prof.goto(f"{application.url}/settings")
     prof.get_by_label("Time zone").fill("Europe/Berlin")
     prof.get_by_role("button", name="Save").click()
     prof.get_by_text("Course settings saved.").wait_for()
@@ -32,7 +32,7 @@ def test_scores_are_held_back_and_released(seen_by, server, url):
     prof.get_by_role("button", name="Save note").click()
     prof.get_by_text("asked for more time").wait_for()
 
-    prof.goto(f"{server.url}{BASE}/class/settings")
+    prof.goto(f"{application.url}{BASE}/class/settings")
     prof.get_by_role("button", name="Release scores now").click()
     prof.get_by_role("button", name="Withdraw the release of scores").wait_for()
     ann.reload()

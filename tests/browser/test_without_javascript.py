@@ -114,10 +114,10 @@ def test_passwords_are_to_be_entered_again(visit):
     assert password.input_value() == again.input_value() == ""
 
 
-def test_a_login_that_fails_keeps_the_name(page, server):
+def test_a_login_that_fails_keeps_the_name(page, application):
     page.allowed.append("status of 401")
     new = page(java_script_enabled=False)
-    new.goto(f"{server.url}/login")
+    new.goto(f"{application.url}/login")
     new.get_by_label("Name").fill("ann")
     new.get_by_label("Password", exact=True).fill("not hers")
     new.get_by_role("button", name="Log in").click()

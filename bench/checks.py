@@ -21,7 +21,7 @@ from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public.common_checks import filmed
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 ASSIGNMENT = find("rigid-body")
 BODIES = int(os.environ.get("BODIES", "700"))

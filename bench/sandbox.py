@@ -18,7 +18,7 @@ from exercises.assignment import ArraySpec
 from exercises.catalogue import find
 from exercises.rigid_body import host_integration
 from service.grading.crosscheck import cross_check
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 from service.grading.second_child import PlayedJob, SecondChild
 from service.sandbox import session
 from service.sandbox.guest.wire import CLOCK_FACTOR

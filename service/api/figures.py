@@ -16,7 +16,8 @@ from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems
 from service.http.state import Db, Held
 from service.store import sweeps
-from service.store.records import SubmissionRecord, find_arrays, find_artefact, store_artefacts
+from service.store.artefacts import find_arrays, find_artefact, store_artefacts
+from service.store.records import SubmissionRecord
 
 router = APIRouter(tags=["Figures"])
 SWEEP_WAIT_S = 50.0

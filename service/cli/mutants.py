@@ -18,7 +18,7 @@ from exercises.solution import Variant
 from service.cli.arguments import count
 from service.cli.errors import CommandError
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
-from service.grading.grade import draw_inputs, job_of
+from service.grading.jobs import draw_inputs, job_of
 from service.grading.reproduction import play_variants
 from service.grading.result import GradedFile
 from service.grading.submission import Submission

@@ -1,14 +1,11 @@
 """Grading a submission: draw the scenes, play them in the sandbox, judge the results by the exact answers."""
 
-import base64
 import functools
 import logging
 import platform
-import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from importlib import metadata
-from typing import Any
 
 import numpy as np
 
@@ -19,16 +16,16 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
-from exercises.assignment import ArraySpec, Assignment, Inputs, Recorded, Recording, Scene
+from exercises.assignment import Assignment, Inputs, Recording, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
 from service.grading.crosscheck import CrossCheck, cross_check, may_be_spared
-from service.grading.published import with_published
+from service.grading.jobs import draw_inputs, job_of, truth
 from service.grading.reproduction import diagnose_question
 from service.grading.second_child import PlayedJob, SecondChild, discard
 from service.grading.submission import Submission
-from service.sandbox.job import Job, Kept, SceneRequest
+from service.sandbox.job import Job
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -168,64 +165,10 @@ def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
     return [e for e in exercises if e in tried or any(isinstance(check, ReportedLine) for check in e.checks)]
 
 
-def draw_inputs(scene: Scene, seed: int) -> Inputs:
-    """Return the scene's inputs: fixed, or drawn with a generator seeded by ``seed`` and the scene's name."""
-    if not callable(scene.inputs):
-        return scene.inputs
-    return scene.inputs(np.random.default_rng([seed, zlib.crc32(scene.name.encode())]))
-
-
-def truth(scene: Scene, inputs: Inputs) -> Arrays:
-    """Return the exact answer of a scene. It is cached if the inputs are fixed."""
-    return scene.truth(inputs) if callable(scene.inputs) else _fixed_truth(scene)
-
-
-def job_of(
-    submission: Submission, assignment: Assignment, scenes: Sequence[Scene], inputs: Mapping[str, Inputs], seed: int = 0
-) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes. ``seed`` determines at which calls to compare recordings."""
-    recorded = {s.name: _recorded_inputs(s, s.recorded, seed) for s in scenes if s.recorded and s.recorded.recordings}
-    requests = tuple(
-        SceneRequest(
-            s.name,
-            s.play,
-            s.function,
-            {**inputs[s.name], **recorded.get(s.name, {})},
-            {**s.returns, **({"recorded": ArraySpec((), alone=True)} if s.name in recorded else {})},
-            s.budget_s,
-            s.after,
-            question=None if s.question is None else dict(s.question),
-            needs=s.needs,
-        )
-        for s in scenes
-    )
-    functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
-    data = {name: assignment.folder / name for name in assignment.data}
-    cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
-    job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
-    return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
-
-
-def _recorded_inputs(scene: Scene, recorded: Recorded, seed: int) -> dict[str, Any]:
-    rng = np.random.default_rng([seed, 4, zlib.crc32(scene.name.encode())])
-    return {"recorded": _calls(recorded), "sample": recorded.sample(recorded.recordings, rng)}
-
-
-@functools.cache
-def _calls(recorded: Recorded) -> Kept:
-    return Kept.of([base64.b64encode(one.calls.tobytes()).decode() for one in recorded.recordings])
-
-
 @functools.cache
 def versions(more: tuple[str, ...] = ()) -> dict[str, str]:
     """Return the versions of Python and of the packages that results depend on, ``more`` of an assignment among them."""
     return {"python": platform.python_version()} | {name: metadata.version(name) for name in (*VERSIONS_OF, *more)}
-
-
-@functools.cache
-def _fixed_truth(scene: Scene) -> Arrays:
-    assert not callable(scene.inputs)
-    return scene.truth(scene.inputs)
 
 
 def _play(

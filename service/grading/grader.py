@@ -10,7 +10,8 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from service.grading import rendering
 from service.grading.author_errors import author_errors, find_assignment, play
-from service.grading.grade import Graded, OnProgress, grade, job_of, truth
+from service.grading.grade import Graded, OnProgress, grade
+from service.grading.jobs import job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget

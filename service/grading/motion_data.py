@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays
 from ecp.exercise import Motion
 from exercises.assignment import Assignment
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 Array = NDArray[np.float64]
 FRAMES = 120

@@ -18,7 +18,8 @@ from ecp.outcome import SweepResult
 from exercises.assignment import Assignment, Recording
 from service.grading import chart_drawing, charts
 from service.grading.author_errors import author_errors, find_assignment
-from service.grading.grade import Graded, draw_inputs, truth
+from service.grading.grade import Graded
+from service.grading.jobs import draw_inputs, truth
 from service.grading.result import SHARED
 
 FORMATS = {"png": "image/png", "svg": "image/svg+xml"}

@@ -28,9 +28,10 @@ from service.http.templating import templates
 from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
 from service.store import records, sweeps
+from service.store.artefacts import find_artefact
 from service.store.course import comments, regrade_requests
 from service.store.history import gradings, previous, timeline
-from service.store.records import SubmissionRecord, find_artefact
+from service.store.records import SubmissionRecord
 
 router = APIRouter()
 

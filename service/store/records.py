@@ -1,19 +1,16 @@
-"""Read submissions with their shown result, and store and find artefacts."""
+"""Read submissions with the result shown for each."""
 
 import hashlib
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from hashlib import sha256
-from typing import Any
 from uuid import UUID
 
 from ecp.document import read as read_document
 from ecp.report import Report
-from service.grading.result import SHARED
 from service.grading.submission import Submission
-from service.store.database import Connection, Database, Row
+from service.store.database import Database, Row
 
 
 @dataclass(frozen=True)
@@ -200,32 +197,6 @@ SELECT args->>'attempt' AS grading, row_number() OVER (ORDER BY priority DESC, i
 FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 """
 
-ARTEFACTS = """
-SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256)
-WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
-"""
-
-# The arrays of a grading if its own are still stored.
-_ARRAYS = f"""
-SELECT a.content FROM grading_artefact own JOIN grading_artefact k USING (grading_id) JOIN artefact a ON a.sha256 = k.sha256
-WHERE own.grading_id = :grading AND own.name = 'arrays.npz' AND (k.name = 'arrays.npz' OR starts_with(k.name, '{SHARED}'))
-"""
-
-# Returns the names of those ``shared`` whose content is stored already. In the order of their hashes, which avoids deadlocks.
-_INSERT_ARTEFACTS = """
-WITH given AS (
-    SELECT * FROM unnest(CAST(:names AS text[]), CAST(:marks AS text[]), CAST(:contents AS bytea[])) one (name, sha256, content)
-), stored AS (
-    INSERT INTO artefact (sha256, content) SELECT sha256, content FROM given ORDER BY sha256 ON CONFLICT DO NOTHING
-), own AS (
-    INSERT INTO grading_artefact (grading_id, name, sha256) SELECT :grading, name, sha256 FROM given ON CONFLICT DO NOTHING
-)
-INSERT INTO grading_artefact (grading_id, name, sha256)
-SELECT :grading, name, sha256 FROM unnest(CAST(:shared AS text[]), CAST(:shared_marks AS text[])) one (name, sha256)
-    JOIN artefact USING (sha256)
-ON CONFLICT DO NOTHING RETURNING name
-"""
-
 
 async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     """Return the submission with that id, or None."""
@@ -252,49 +223,6 @@ async def state(database: Database, id: UUID) -> Row | None:
 async def positions(database: Database) -> Mapping[str, int]:
     """Return the position in the queue by grading id; the next one to start has position 1."""
     return {row.grading: row.position for row in await database.rows(_POSITIONS)}
-
-
-async def find_artefact(database: Database, grading: UUID, name: str) -> tuple[bytes, str] | None:
-    """Return content and SHA-256 (hexadecimal) of a grading's artefact, or None."""
-    row = await database.first(ARTEFACTS, {"gradings": [grading], "name": name})
-    return None if row is None else (row.content, row.sha256)
-
-
-async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
-    """Store artefacts made after the grading, such as a figure drawn on the first request."""
-    async with database.begin() as connection:
-        await insert_artefacts(connection, grading, artefacts)
-
-
-async def find_arrays(database: Database, grading: UUID) -> list[bytes]:
-    """Return the files with a grading's arrays, or an empty list if they have been deleted."""
-    return [row.content for row in await database.rows(_ARRAYS, {"grading": grading})]
-
-
-async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
-    """Store artefacts in this transaction; content that several gradings have is stored once. Content whose name begins with SHARED
-    is sent only if it is not stored yet.
-    """
-    marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
-    shared = {name for name in artefacts if name.startswith(SHARED)}
-    linked = await connection.rows(_INSERT_ARTEFACTS, _artefact_values(grading, artefacts, marks, shared))
-    if missing := shared - {row.name for row in linked}:
-        left = {name: artefacts[name] for name in missing}
-        await connection.rows(_INSERT_ARTEFACTS, _artefact_values(grading, left, marks, set()))
-
-
-def _artefact_values(
-    grading: UUID, artefacts: Mapping[str, bytes], marks: Mapping[str, str], shared: Collection[str]
-) -> dict[str, Any]:
-    names = [name for name in artefacts if name not in shared]
-    return {
-        "grading": grading,
-        "names": names,
-        "marks": [marks[name] for name in names],
-        "contents": [artefacts[name] for name in names],
-        "shared": list(shared),
-        "shared_marks": [marks[name] for name in shared],
-    }
 
 
 def _stored(row: Row) -> SubmissionRecord:

@@ -14,9 +14,9 @@ from ecp.document import document
 from ecp.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
+from service.store.artefacts import insert_artefacts
 from service.store.database import Connection, Database, Row
 from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
-from service.store.records import insert_artefacts
 
 CHANNEL = "polhode"
 MAX_FAILED_RUNS = 2  # a run that failed is repeated once; one that was lost, up to ``max_runs`` in all

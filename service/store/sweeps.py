@@ -10,10 +10,10 @@ from importlib import metadata
 from typing import Any
 from uuid import UUID
 
+from service.store.artefacts import ARTEFACTS, insert_artefacts
 from service.store.course.gradebook import StudentRow
 from service.store.database import Connection, Database
 from service.store.queue import KINDS, STEP, send
-from service.store.records import ARTEFACTS, insert_artefacts
 
 SWEPT, REFUSED = "sweep.json", "sweep.refused"
 MOST_RUNS = 3  # of one grading's sweep, lost ones included

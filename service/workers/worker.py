@@ -26,9 +26,9 @@ from service.sandbox.untrusted_text import text
 from service.sandbox.warm_sandbox import WarmSandbox
 from service.settings import Settings
 from service.store import runs, sweeps, workers
+from service.store.artefacts import store_artefacts
 from service.store.database import Database, is_outage, patiently
 from service.store.queue import QUEUE, new_app
-from service.store.records import store_artefacts
 from service.store.schema import WrongSchema, check_schema
 
 log = logging.getLogger(__name__)

@@ -11,7 +11,7 @@ from schemathesis.checks import CHECKS, load_all_checks
 
 from ecp.report import Picture
 from exercises import wheel
-from service.store.records import store_artefacts
+from service.store.artefacts import store_artefacts
 from service.store.workers import register_worker
 from tests.support.app import App
 from tests.support.database import entered, new_database, run

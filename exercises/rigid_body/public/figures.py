@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 COLORS = ("#0072b2", "#e69f00", "#c1272d")  # of ω₁, ω₂, ω₃ and of ê₁, ê₂, ê₃: blue, orange, red
 AMBER, GREY = "#c0851a", "0.55"
-TITLED = 0.93  # share of the height that is left below a title of two lines
 EXACT: dict[str, Any] = {"color": "0.25", "ls": (0, (1, 2)), "lw": 1.6}
 HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
 BOX_AXES = (AMBER, COLORS[0], COLORS[2])  # the figure of the box has ê₁ amber
@@ -136,8 +135,6 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
         rate = turning_rate(run["t"], run["w"], exact["w"], SYMMETRIC_RATE)
         circle.set_title(f"phase slope {rate:.6g} rad/s\n(I₃−I₁)/I₁·ω₃ = {SYMMETRIC_RATE:g} rad/s")
     legend_above(circle)
-    if engine := canvas.get_layout_engine():
-        engine.set(rect=(0, 0, 1, TITLED))  # type: ignore[call-arg]  # it leaves no place for a title of two lines above a legend
 
 
 def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:

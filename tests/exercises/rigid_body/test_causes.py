@@ -10,7 +10,7 @@ import pytest
 
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_function, diagnose_scene
-from service.grading.grade import draw_inputs
+from service.grading.jobs import draw_inputs
 
 W, I = ("w[0]", "w[1]", "w[2]"), ("I[0]", "I[1]", "I[2]")
 RIGHT = [f"({I[k - 2]} - {I[k - 1]}) * {W[k - 2]} * {W[k - 1]} / {I[k]}" for k in range(3)]

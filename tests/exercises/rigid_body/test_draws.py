@@ -8,7 +8,7 @@ from ecp.judge import Verdict
 from exercises.rigid_body import plays
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public import quantities
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 SPELLINGS = {
     "terms": lambda t, w, I: [

@@ -5,7 +5,7 @@ import pytest
 
 from ecp.judge import Verdict
 from exercises.rigid_body.public.quantities import SYMMETRIC
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 # By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth of the first of them.
 # The numbers stand here once more on purpose: a tolerance that changes by mistake changes one of the two places only.

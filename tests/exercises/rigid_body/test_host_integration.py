@@ -7,7 +7,7 @@ import reference
 from exercises.rigid_body import host_integration, plays, probes
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public.common_checks import attitude, omega
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 FORMULAS = {
     "cross": lambda t, w, I: np.cross(I * w, w) / I,

@@ -5,7 +5,7 @@ import pytest
 
 from ecp.judge import Verdict
 from exercises.rigid_body import plays, probes
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 RIGHT = {
     "cross": lambda t, w, I: np.cross(I * w, w) / I,

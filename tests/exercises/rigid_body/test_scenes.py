@@ -9,7 +9,7 @@ import reference
 from ecp.judge import Verdict
 from exercises.rigid_body import plays
 from exercises.rigid_body.scenes import SCENES, TILT
-from service.grading.grade import draw_inputs, truth
+from service.grading.jobs import draw_inputs, truth
 
 
 def phase(w):

@@ -8,7 +8,8 @@ from ecp.document import document, read
 from ecp.judge import Verdict
 from ecp.report import Report
 from exercises.samples import samples
-from service.grading.grade import UnknownExercise, draw_inputs, grade
+from service.grading.grade import UnknownExercise, grade
+from service.grading.jobs import draw_inputs
 from service.grading.submission import Submission
 
 NINE = {

@@ -14,10 +14,10 @@ from ecp.document import document
 from ecp.outcome import Diagnosis, SweepResult, SweptPoint
 from service.grading import charts
 from service.pages import class_charts, class_stats
+from service.store.artefacts import store_artefacts
 from service.store.course import outcomes, people
 from service.store.course.gradebook import StudentRow, graded, students
 from service.store.database import Database
-from service.store.records import store_artefacts
 from tests.support.database import new_database, run, sql
 from tests.support.reports import ASSIGNMENT, SLIP
 from tests.support.submissions import hand_in

@@ -12,7 +12,7 @@ import pytest
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Outcome, Tolerance
 from ecp.report import ExerciseReport, Provenance, Report
-from service.store import records, runs, workers
+from service.store import artefacts, records, runs, workers
 from service.store.database import Connection
 from service.store.queue_overview import regrade, snapshot
 from service.store.submissions import SubmissionRejected, accept, add_grading
@@ -66,7 +66,7 @@ def test_a_result_and_its_artefacts(database_url, grading):
     stored = run(database_url, lambda d: records.read(d, grading[1]))
     assert stored.status == "graded" and stored.report.provenance.seed == 7
     assert sql(database_url, "SELECT count(*) FROM artefact") == [(2,)] and endings(database_url) == ["finished"]
-    content, digest = run(database_url, lambda d: records.find_artefact(d, grading[0], "b"))
+    content, digest = run(database_url, lambda d: artefacts.find_artefact(d, grading[0], "b"))
     assert content == b"same" and len(digest) == 64
     assert claim(database_url, grading[0]) is None
     with pytest.raises(psycopg.errors.RaiseException, match="never altered"):
@@ -93,10 +93,10 @@ def test_content_that_gradings_share_is_sent_and_stored_once(database_url, gradi
     assert sent == [b"other"]
     assert sorted(sql(database_url, "SELECT content FROM artefact")) == [(b"other",), (b"own",), (b"shared",)]
     for one, own in ((grading[0], b"own"), (other[1], b"other")):
-        found = run(database_url, lambda d, one=one: records.find_arrays(d, one))
+        found = run(database_url, lambda d, one=one: artefacts.find_arrays(d, one))
         assert sorted(found) == sorted([own, b"shared", b"shared"])
     sql(database_url, "DELETE FROM grading_artefact WHERE name = 'arrays.npz'")
-    assert run(database_url, lambda d: records.find_arrays(d, grading[0])) == []
+    assert run(database_url, lambda d: artefacts.find_arrays(d, grading[0])) == []
 
 
 def test_a_run_that_a_crash_of_the_database_lost_is_stored_with_its_result(database_url, grading):

@@ -17,7 +17,7 @@ from sqlalchemy.exc import OperationalError
 
 from service.sandbox.result import Cancelled
 from service.settings import Settings
-from service.store import history, queue_overview, records, regrades, runs, schema, sweeps, workers
+from service.store import artefacts, history, queue_overview, records, regrades, runs, schema, sweeps, workers
 from service.store.course import (
     audit,
     comments,
@@ -80,7 +80,7 @@ def test_what_an_old_database_holds_is_there_afterwards(old_url):
     one, two, three = (run(old_url, lambda d, id=id: records.read(d, id)) for id in (ONE, TWO, THREE))
     assert (one.status, two.status, three.status) == ("graded", "faulted", "queued")
     assert one.exercises == ["2"] and two.exercises is None and one.seed == 11 and one.submission.source == "def ω(): 1"
-    assert run(old_url, lambda d: records.find_artefact(d, one.grading, "figures/a.svg"))[0] == b"other"
+    assert run(old_url, lambda d: artefacts.find_artefact(d, one.grading, "figures/a.svg"))[0] == b"other"
     assert sql(old_url, "SELECT count(*) FROM artefact") == [(2,)]
     assert not any(check(old_url).values())
     assert sql(old_url, "SELECT check_id, points, earned FROM outcome ORDER BY 1") == [("a", 1, 1), ("b", 1, 0)]
@@ -174,7 +174,7 @@ def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     (regrade,) = read(lambda d: regrades.of_assignment(d, "rigid-body"))
     assert (regrade.description, regrade.requested_by, regrade.requested_at) == ("all of them", "prof", AT)
     assert [row.finished for row in read(lambda d: regrades.score_changes(d, REGRADE))] == [False]
-    assert read(lambda d: records.find_artefact(d, FIRST, "arrays.npz"))[0] == b"same"
+    assert read(lambda d: artefacts.find_artefact(d, FIRST, "arrays.npz"))[0] == b"same"
     (entry,) = read(audit.entries)
     assert (entry.actor, entry.action) == ("prof", "rules")
     assert [t.prefix for t in read(lambda d: tokens.all_of(d, "ann"))] == ["polhode_abcd"]

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from service.store import sweeps
-from service.store.records import store_artefacts
+from service.store.artefacts import store_artefacts
 from tests.support.database import run, sql
 from tests.support.submissions import submitted
 

@@ -40,7 +40,7 @@ GRADING = [
     ),
     Breakage(
         "drawn scenes do not depend on the seed, so a regrade asks something else",
-        "service/grading/grade.py",
+        "service/grading/jobs.py",
         "np.random.default_rng([seed, zlib.crc32(scene.name.encode())])",
         "np.random.default_rng()",
         ("tests/service/grading/test_crosscheck.py::test_the_same_seed_gives_the_same_report",),

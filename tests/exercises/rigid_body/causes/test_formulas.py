@@ -6,7 +6,7 @@ import pytest
 import reference
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
-from service.grading.grade import draw_inputs
+from service.grading.jobs import draw_inputs
 
 TERMS = ("(I[1] - I[2]) * w[1] * w[2] / I[0]", "(I[2] - I[0]) * w[2] * w[0] / I[1]", "(I[0] - I[1]) * w[0] * w[1] / I[2]")
 SECOND = {

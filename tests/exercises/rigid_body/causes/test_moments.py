@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exercises.rigid_body.causes import diagnose_function, diagnose_scene
-from service.grading.grade import draw_inputs
+from service.grading.jobs import draw_inputs
 
 BOXES = {
     "4 * I": ("constant-factor", "m/3 to half edges"),

@@ -5,7 +5,7 @@ import pytest
 
 import reference
 from exercises.rigid_body.causes import diagnose_scene
-from service.grading.grade import draw_inputs
+from service.grading.jobs import draw_inputs
 
 
 @pytest.fixture(scope="module")

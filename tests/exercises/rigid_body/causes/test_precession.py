@@ -5,7 +5,7 @@ import pytest
 
 from exercises.rigid_body.causes import diagnose_function
 from exercises.rigid_body.draws import TURNING
-from service.grading.grade import draw_inputs
+from service.grading.jobs import draw_inputs
 
 
 def phase(w, a=1, b=0):

@@ -3,7 +3,7 @@
 import pytest
 
 from ecp.outcome import Ended
-from service.grading.grade import job_of
+from service.grading.jobs import job_of
 from service.grading.submission import Submission
 
 FUNCTION = """

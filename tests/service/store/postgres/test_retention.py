@@ -7,9 +7,9 @@ import pytest
 from exercises.catalogue import assignments
 from service.cli.__main__ import main
 from service.store import regrades, runs
+from service.store.artefacts import find_artefact, store_artefacts
 from service.store.postgres import backup, retention
 from service.store.queue_overview import regrade
-from service.store.records import find_artefact, store_artefacts
 from tests.support.database import run, sql
 from tests.support.reports import report_of_marks
 from tests.support.submissions import hand_in

@@ -157,9 +157,7 @@ HIDDEN: dict[str, tuple[Check, ...]] = {
     ),
     "4": (
         pointwise("4-pointwise"),
-        spared(
-            omega("4-secret", "ω(t) of a symmetric top about any of the three axes follows the exact motion", "drawn-symmetric")
-        ),
+        spared(omega("4-secret", "ω(t) of a new random symmetric top follows the exact motion", "drawn-symmetric")),
         spared(omega("4-sphere", "ω of a body with three equal moments stays constant", "drawn-sphere")),
         precession("4-function", "precession_rate finds Ω in a given motion", "rate"),
         precession("4-retrograde", "precession_rate is negative if (ω₁, ω₂) turns backwards", "rate-retrograde"),

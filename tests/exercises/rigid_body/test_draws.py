@@ -31,7 +31,7 @@ def test_families(name):
         side = np.sum((I * w0) ** 2) - 2 * reference.kinetic_energy(w0, I) * mid
         assert low > 0 and high <= low + mid and np.isfinite(drawn["t_end"])
         if name == "drawn-symmetric":
-            assert exact.model == "symmetric"
+            assert exact.model == "symmetric" and I[0] == I[1]
         elif name == "drawn-sphere":
             assert exact.model == "steady" and low == high
         elif name == "drawn-least":
@@ -58,6 +58,29 @@ def test_a_right_function_is_well_within_what_is_allowed(name, spelling, rigid_b
             outcome = check.judge([seen], [exact])
             assert (outcome.verdict is Verdict.PASS and outcome.margin is None) or outcome.margin > 3, check.id
             assert outcome.tolerance.limit and "sensitivity" in outcome.tolerance.reason
+
+
+FACTORS = {"factor": lambda I: np.full(3, 2.0), "divisor": lambda I: I / I[[1, 2, 0]]}
+ERRORS = {
+    f"{what} of component {k + 1}": lambda t, w, I, k=k, factor=factor: (
+        np.where(np.arange(3) == k, factor(I), 1.0) * np.cross(I * w, w) / I
+    )
+    for k in range(3)
+    for what, factor in FACTORS.items()
+}
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_the_same_error_gets_the_same_verdict_for_every_student(error, rigid_body):
+    scene = rigid_body.scene("drawn-symmetric")
+    (check,) = (c for e in rigid_body.exercises for c in e.checks if c.scenes == (scene.name,))
+    verdicts = set()
+    for seed in range(6):
+        inputs = draw_inputs(scene, seed)
+        exact = truth(scene, inputs)
+        seen = {**plays.trajectory({"euler_eqs": ERRORS[error]}, inputs), "t": exact["t"]}
+        verdicts.add(check.judge([seen], [exact]).verdict)
+    assert len(verdicts) == 1
 
 
 def test_the_tolerance_is_the_product_it_says():

@@ -13,7 +13,7 @@ from ecp.outcome import SweptPoint
 
 WIDE = 4.8  # inches
 COLORS = ("#0060a8", "#b34700", "#00735a", "#a23b7a", "#6b5900")  # differ in lightness too, and can be read as text
-GREY, FRONT, YOURS = "0.75", "#1a1a1a", "#c0006a"
+GREY, FRONT, YOURS = "0.58", "#1a1a1a", "#c0006a"
 STYLES = ("-", "--", ":", "-.")
 MARKS = "osv^D<>"
 FAMILIES = {

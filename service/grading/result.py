@@ -10,7 +10,13 @@ from ecp.report import Report
 
 MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
 """The states of a check and their marks."""
-WORDS = {"pass": "passed", "fail": "failed", "timeout": "timed out", "error": "stopped by an error", "unmeasured": "not measured"}
+WORDS = {
+    "pass": "passed",
+    "fail": "failed",
+    "timeout": "timed out",
+    "error": "stopped by an error or an unusable value",
+    "unmeasured": "not measured",
+}
 SHARED = "recorded/"
 """The beginning of the names of artefacts that many gradings have in common: arrays of recordings."""
 NOT_STOPPED = (Ended.FINISHED, Ended.NOT_PLAYED, Ended.MISSING)

@@ -22,7 +22,7 @@ _PATH = Markup('<path d="{}" class="{}"></path>')
 def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
     """Return a histogram of the counted points after the late penalty, ``most`` of which can be had without a bonus.
 
-    A bin holds whole points: several if there are many, and its least stands at its left edge. None without points.
+    A bin holds whole points: several if there are many, and the edges are marked then. None without points.
     """
     points = [float(s.final) for s in students if s.final is not None]
     if not points:
@@ -42,19 +42,21 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
                 x + 1, HIGH - BOTTOM - height, across * width - 2, height))  # fmt: skip
             marks.append(_TEXT.format(x + across * width / 2, HIGH - BOTTOM - height - 4, "middle", count))
         marks.append(_TEXT.format(x + (across / 2 if width == 1 else 0.0), HIGH - BOTTOM + 13, "middle quiet", number * width))
+    if width > 1:
+        marks.append(_TEXT.format(WIDE - RIGHT, HIGH - BOTTOM + 13, "middle quiet", len(counts) * width))
     alt = f"Students by points: median {median(points):g} of {most}, from {min(points):g} to {max(points):g}."
     return _svg(alt, marks)
 
 
 def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None) -> Markup | None:
-    """Return how many students had submitted, and had all ``most`` points, at each time. None without a submission.
+    """Return how many students had submitted, and had full marks, ``most`` points, at each time. None without a submission.
 
     The x axis is linear in time, the curves are steps.
     """
     first = sorted(s.sent_at[0] for s in students if s.sent_at)
     if not first:
         return None
-    full = sorted(at for s in students if (at := _all_points_at(s, most)) is not None)
+    full = sorted(at for s in students if (at := _full_marks_at(s, most)) is not None)
     until = max([s.sent_at[-1] for s in students if s.sent_at] + ([min(due_at, datetime.now(UTC))] if due_at else []))
     start, seconds = first[0], max((until - first[0]).total_seconds(), 3600.0)
     across = (WIDE - LEFT - RIGHT - NAMES) / seconds
@@ -72,7 +74,7 @@ def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None)
             _TEXT.format(x(due_at), TOP - 4, "middle quiet", "deadline"),
         ]
     ends = []
-    for name, reached, kind in (("submitted", first, "line"), ("all points", full, "line pass")):
+    for name, reached, kind in (("submitted", first, "line"), ("full marks", full, "line pass")):
         y, path = float(HIGH - BOTTOM), f"M{LEFT} {HIGH - BOTTOM}"
         for count, at in enumerate(reached, start=1):
             y = HIGH - BOTTOM - _height(count, len(students))
@@ -85,10 +87,10 @@ def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None)
         marks.append(_TEXT.format(x(until) + 4, y + 4, kind.replace("line", "name"), text))
     marks += [_TEXT.format(LEFT - 4, HIGH - BOTTOM - _height(n, len(students)) + 4, "end quiet", n) for n in {0, len(students)}]
     who = f"{len(first)} of {len(students)} students submitted"
-    return _svg(f"{who} from {start:%Y-%m-%d} to {until:%Y-%m-%d}; {len(full)} have all points.", marks)
+    return _svg(f"{who} from {start:%Y-%m-%d} to {until:%Y-%m-%d}; {len(full)} have full marks.", marks)
 
 
-def _all_points_at(student: StudentRow, most: int) -> datetime | None:
+def _full_marks_at(student: StudentRow, most: int) -> datetime | None:
     sent = zip(student.sent_at, student.earned, strict=True)
     return next((at for at, points in sent if points is not None and points >= most), None)
 

@@ -122,7 +122,7 @@ async def _selection(database: Db, assignment: Assignment, which: str, check: st
             raise Problem(422, "invalid-request", f"the assignment has no check {check[:80]}: select another", "/check")
         return BEST, check, f"counted submissions that do not pass {check}"
     if which in (BEST, EVERY):
-        return which, None, "each student's counted submission" if which == BEST else "all submissions of all students"
+        return which, None, "everybody's counted submission" if which == BEST else "all submissions of everybody"
     if not which:
         raise Problem(422, "invalid-request", "select submissions: all, every, check, or the id of one", "/which")
     stored = await records.read(database, identifier(which))

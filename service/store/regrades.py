@@ -15,7 +15,7 @@ from service.store.submissions import MAX_RUNS
 
 BATCH = 50
 BEST, EVERY = "all", "every"
-"""What a regrade covers: each student's best submission, or every submission."""
+"""What a regrade covers: everybody's counted submission, or every submission."""
 
 
 class NothingToGrade(Exception):

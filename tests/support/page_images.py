@@ -71,7 +71,7 @@ def prepare(url):
         run(
             url,
             lambda database: regrades.create(
-                database, "rigid-body", regrades.BEST, "prof", description="each student's counted submission"
+                database, "rigid-body", regrades.BEST, "prof", description="everybody's counted submission"
             ),
         )
         wait_for_gradings(url)

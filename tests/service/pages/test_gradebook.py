@@ -127,7 +127,7 @@ def test_the_overview_draws_points_and_progress(looks):
         "Students by points", "4 of 5 students submitted"]  # fmt: skip
     bars = re.findall(r'class="middle">(\d+)</text>', charts_[0])
     assert bars == ["3"] and charts_[0].count("<rect") == 1, "0 to 3 of 36 points are one bin"
-    assert "median 0 of 36, from 0 to 2" in charts_[0] and ">4 submitted<" in charts_[1] and ">0 all points<" in charts_[1]
+    assert "median 0 of 36, from 0 to 2" in charts_[0] and ">4 submitted<" in charts_[1] and ">0 full marks<" in charts_[1]
 
 
 @pytest.mark.parametrize("most", [1, 9, 36, 400])
@@ -139,8 +139,9 @@ def test_every_student_is_in_one_bar_of_the_distribution(most):
     )
     assert class_charts.distribution([NOBODY], most) is None
     assert min(map(float, re.findall(r'y="([\d.]+)" class="middle">', drawn))) > 10 + 12, "below the title of the axis"
-    least = [int(text) for text in re.findall(r'class="middle quiet">(\d+)</text>', drawn)]
-    assert least == list(range(0, most + 2, least[1])) and len(least) <= class_charts.MOST_BINS + 1
+    edges = [int(text) for text in re.findall(r'class="middle quiet">(\d+)</text>', drawn)]
+    assert edges == list(range(0, edges[-1] + 1, edges[1])) and len(edges) <= class_charts.MOST_BINS + 2
+    assert edges[-1] > most + 1 if edges[1] > 1 else edges[-1] == most + 1, "both edges of a bin, or the points of each"
 
 
 def test_nothing_runs_out_of_the_progress_chart():
@@ -151,7 +152,7 @@ def test_nothing_runs_out_of_the_progress_chart():
     for due in (None, first - timedelta(days=1), first + timedelta(hours=1), datetime(2999, 1, 1, tzinfo=UTC)):
         drawn = str(class_charts.progress(class_, 9, due))
         edges = [float(x) for x in re.findall(r'[MH ](?:x\d?=")?(\d+\.?\d*)', " ".join(re.findall(r'd="[^"]+"', drawn)))]
-        assert ">2 submitted<" in drawn and ">1 all points<" in drawn and max(edges) <= class_charts.WIDE
+        assert ">2 submitted<" in drawn and ">1 full marks<" in drawn and max(edges) <= class_charts.WIDE
 
 
 def test_causes_by_number_of_students_lead_to_their_submissions(looks):
@@ -245,6 +246,15 @@ def test_a_page_asks_as_often_however_large_the_class_is(url, monkeypatch):
 async def _many(database, count):
     for k in range(count):
         await hand_in(database, f"more {k}", {"2-energy": "✓"})
+
+
+def test_full_marks_need_no_points_of_optional_functions(looks, url):
+    every = {check.id: "✓" for exercise in ASSIGNMENT.exercises for check in exercise.checks}
+    for points, wrong in ((35, 7), (40, 2)):
+        marks = every | dict.fromkeys([*every][:wrong], "✗")
+        run(url, lambda database, marks=marks: hand_in(database, "zoe", marks))
+        shown = tile(looks("zoe", "/")[1], "Rigid-Body")
+        assert f"<b>{points}</b> of 36 + 6 bonus points" in shown and ("✓ full marks" in shown) == (points >= 36)
 
 
 def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):

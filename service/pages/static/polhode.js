@@ -205,6 +205,8 @@ function download(form, name, content) {
   done.focus();
 }
 
+const MOST_KEPT = 60000; // bytes; browsers keep 64 KiB alive
+
 async function send(form, submitter) {
   announce("");
   document.getElementById("refused")?.remove();
@@ -214,7 +216,8 @@ async function send(form, submitter) {
   if (submitter) submitter.disabled = true;
   try {
     const body = form.enctype === "multipart/form-data" ? data : new URLSearchParams(data);
-    const answer = await fetch(submitter?.getAttribute("formaction") ?? form.getAttribute("action"), { method: "POST", body, headers: { Accept: "application/problem+json" } });
+    const keepalive = body !== data && String(body).length < MOST_KEPT; // sent although another form's answer replaces the page meanwhile
+    const answer = await fetch(submitter?.getAttribute("formaction") ?? form.getAttribute("action"), { method: "POST", body, keepalive, headers: { Accept: "application/problem+json" } });
     if (answer.ok) {
       const [, file] = /^attachment; filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition")) ?? [];
       if (file) { download(form, file, await answer.blob()); return; }

@@ -5,7 +5,6 @@ Each play takes the submission's names and a scene's inputs and returns arrays b
 integrator, bound before the submission runs, so that replacing ``solve_ivp`` changes nothing here.
 """
 
-import base64
 import hashlib
 import math
 import re
@@ -100,12 +99,12 @@ def trajectory(student, inputs):
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
-def _repeats(function, moments, offsets, encoded, digests):
+def _repeats(function, moments, offsets, packed, digests):
     """Return whether ``function`` returns what was recorded, bit for bit, at a sample of the calls of a recorded integration.
 
-    ``digests`` are those of what was returned at first, and in all.
+    ``packed`` are its calls (n, 4) as bytes, ``digests`` those of what was returned at first, and in all.
     """
-    calls, returned = sampled(np.frombuffer(base64.b64decode(encoded)).reshape(-1, 4), offsets), []
+    calls, returned = sampled(np.frombuffer(packed).reshape(-1, 4), offsets), []
     I, (first, all) = np.asarray(moments, dtype=float), digests
     for t, spin in zip(calls[:, 0].tolist(), calls[:, 1:], strict=True):
         returned.append(_rate(function(t, spin.copy(), I.copy())).tobytes())

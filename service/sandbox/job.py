@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from exercises.assignment import ArraySpec, Ask
-from service.sandbox.guest.wire import FILES, KEPT, LENGTH, NUMBERS
+from service.sandbox.guest.wire import BYTES, FILES, KEPT, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
 SHORT = 20  # numbers that are sent as digits
@@ -111,9 +111,11 @@ class Job:
     @property
     def kept(self) -> list[Kept]:
         """The parts that a guest can keep."""
-        return [*self._code(), *(value for s in self.scenes for value in s.inputs.values() if isinstance(value, Kept))]
+        return [*self.code, *(value for s in self.scenes for value in s.inputs.values() if isinstance(value, Kept))]
 
-    def _code(self) -> tuple[Kept, Kept]:
+    @property
+    def code(self) -> tuple[Kept, Kept]:
+        """The setup and the plays."""
         setup = "" if any(cell.published for cell in self.cells) else self.setup  # it is one of the published cells
         return _compiled(setup, FILES["setup"]), _compiled(self.plays, FILES["plays"])
 
@@ -130,7 +132,7 @@ class Job:
             }
             for s in self.scenes
         ]
-        setup, plays = self._code()
+        setup, plays = self.code
         document = {
             "setup": setup,
             "plays": plays,
@@ -172,6 +174,8 @@ def _named(value: Any) -> Any:
 def _listed(value: Any) -> Any:
     if isinstance(value, Kept):
         return value.value
+    if isinstance(value, bytes):
+        return {BYTES: base64.b64encode(value).decode()}
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.size > SHORT:
         return {NUMBERS: base64.b64encode(value.tobytes()).decode(), "shape": value.shape}  # a tenth of the time of their digits
     if isinstance(value, np.ndarray | np.generic):

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, KEEP, NEEDED, PLAY, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, KEEP, LOAD, NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job, Kept
@@ -52,7 +52,7 @@ class Zygote:
 
     def __init__(self, started: GuestProcess, cancelled: threading.Event, *, keeps: bool = False) -> None:
         self._started, self._control = started, started.control
-        self._keeps, self._kept = keeps, frozenset[Kept]()
+        self._keeps, self._kept, self._loads = keeps, frozenset[Kept](), list[str]()
         self._cancelled = cancelled
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
@@ -83,11 +83,7 @@ class Zygote:
 
     def import_library(self, library: str) -> None:
         """Let the zygote import ``library``. Raises ZygoteLost."""
-        if self._exit_is_unread:
-            self._read_exit()
-        self._control.send(IMPORT + library.encode())
-        if self._message() != READY:
-            raise ZygoteLost(f"the sandbox process stopped while it imported {library}")
+        self._tell(IMPORT + library.encode())
         self.imported |= {library}
 
     def _message(self) -> bytes:
@@ -118,19 +114,28 @@ class Zygote:
             return self._play(job, budget, Reader(job, result, on_scene))
 
     def _keep(self, job: Job) -> None:
+        """Let the zygote keep parts of the job, and load its code in children before their jobs, unless it may read data files."""
         for kept in set(job.kept) - self._kept:
-            if self._exit_is_unread:
-                self._read_exit()
             fd = _file(kept.encode())
             try:
-                socket.send_fds(self._control, [KEEP + kept.name.encode()], [fd])
-            except OSError as error:
-                raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
+                self._tell(KEEP + kept.name.encode(), fd)
             finally:
                 os.close(fd)
-            if self._message() != READY:
-                raise ZygoteLost("the sandbox process stopped while it read what it should keep")
             self._kept |= {kept}
+        if self._loads != (names := [] if job.data else [part.name for part in job.code]):
+            self._tell(LOAD + " ".join(names).encode())
+            self._loads = names
+
+    def _tell(self, message: bytes, *fds: int) -> None:
+        """Send a message and wait until the zygote has done what it says. Raises ZygoteLost."""
+        if self._exit_is_unread:
+            self._read_exit()
+        try:
+            socket.send_fds(self._control, [message], fds)
+        except OSError as error:
+            raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
+        if self._message() != READY:
+            raise ZygoteLost("the sandbox process stopped between two plays")
 
     def _play(self, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()

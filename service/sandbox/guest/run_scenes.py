@@ -28,7 +28,7 @@ from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
 from .seal import Seal, in_place, names_used, private_modules
-from .wire import CLOCK_FACTOR, FILES, Questions, Writer, forget
+from .wire import CLOCK_FACTOR, FILES, Questions, Writer, forget, kept
 
 Names = dict[str, Any]
 
@@ -71,8 +71,8 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     job = questions.job()
     forget()
     try:
-        plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
-        student = prepare(code(job, "setup"))
+        plays, unchanged, student = _loaded(job)
+        _in_advance.clear()
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
@@ -80,6 +80,24 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
         _run(job, plays, student, questions, write, unchanged=unchanged, reference=reference)
+
+
+def load(setup: str, plays: str) -> None:
+    """Load the setup and the plays that this process keeps by these names, before the job that has them arrives."""
+    parts = {"setup": kept(setup), "plays": kept(plays)}
+    _in_advance.append((parts, _loaded(parts)))
+
+
+Loaded = tuple[Names, Callable[[], None], Names]
+_in_advance = list[tuple[dict[str, Any], Loaded]]()
+
+
+def _loaded(job: dict[str, Any]) -> Loaded:
+    """Return the names that the job's plays define, a function as ``_load_plays`` returns it, and the namespace after its setup."""
+    for parts, loaded in _in_advance:
+        if all(part is job[name] for name, part in parts.items()):
+            return loaded
+    return *_load_plays(job["plays"]["source"], code(job, "plays")), prepare(code(job, "setup"))
 
 
 def code(job: dict[str, Any], name: str) -> types.CodeType:

@@ -18,6 +18,7 @@ HEADER = struct.Struct("<H")  # in front of the header of named arrays
 CHUNK = 1 << 16
 FILES = {"setup": "Setup", "plays": "plays.py"}  # names of compiled texts in tracebacks
 CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
+BYTES = "base64"  # key of an object that stands for bytes
 NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
 KEPT = "kept by name"  # key of an object that stands for a value that this guest keeps, and its name
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
@@ -68,15 +69,24 @@ def keep(name: str, fd: int) -> None:
     _kept[name] = Questions(fd).job()
 
 
+def kept(name: str) -> Any:
+    """Return the value that this process keeps by a name."""
+    return _kept[name]
+
+
 def forget() -> None:
     """Keep nothing any more: a submission must not read the parts of other assignments' jobs."""
     _kept.clear()
 
 
-def _lists(value: dict[str, Any]) -> Any:
-    """Return numbers that the host has sent as bytes as nested lists, a kept value for its name, any other object as it is."""
+def _decoded(value: dict[str, Any]) -> Any:
+    """Return numbers that the host has sent as bytes as nested lists, bytes as such, a kept value for its name, any other object as
+    it is.
+    """
     if KEPT in value:
         return _kept[value[KEPT]]
+    if BYTES in value:
+        return base64.b64decode(value[BYTES])
     if NUMBERS not in value:
         return value
     return np.frombuffer(base64.b64decode(value[NUMBERS]), "<f8").reshape(value["shape"]).tolist()
@@ -92,7 +102,7 @@ class Questions:
 
     def job(self) -> dict[str, Any]:
         """Return the job. Call it once, before the submission is loaded."""
-        return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]), object_hook=_lists)
+        return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]), object_hook=_decoded)
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         """Yield the questions of one scene until its last."""

@@ -8,7 +8,8 @@ descriptor, a job of reference functions, a second child holds these and answers
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
 READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
 A zygote that imports SciPy and matplotlib later does so when it receives IMPORT and the name of one, and answers READY. With KEEP,
-a name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY.
+a name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY. With LOAD and the names
+of a kept setup and of kept plays, every child loads these before its job arrives, which has the same; with LOAD alone none does.
 """
 
 import gc
@@ -21,7 +22,7 @@ import socket
 import struct
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 NEEDED = {"scipy": 95, "matplotlib": 96}  # exit codes of a child that uses a library which the zygote has not imported
@@ -42,7 +43,8 @@ MODULES = {
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
     "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
 }
-IMPORT, KEEP = b"import ", b"keep "
+IMPORT, KEEP, LOAD = b"import ", b"keep ", b"load "
+LOAD_S = 2  # for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within the play
 LATER = "libraries-later"
 
 
@@ -88,15 +90,18 @@ def _obey(control: socket.socket, prepared: Any) -> None:
 
     spare = _Spare(prepared)
     while True:
-        play, fds, _, _ = socket.recv_fds(control, 128, 4)
-        if play.startswith((IMPORT, KEEP)):
+        play, fds, _, _ = socket.recv_fds(control, 256, 4)
+        if play.startswith((IMPORT, KEEP, LOAD)):
+            code = spare.code
             if play.startswith(IMPORT):
                 _import_later(play.removeprefix(IMPORT).decode())
-            else:
+            elif play.startswith(KEEP):
                 sys.modules["guest.wire"].keep(play.removeprefix(KEEP).decode(), fds[0])
                 os.close(fds[0])
+            else:
+                code = play.removeprefix(LOAD).decode().split()
             spare.end()
-            spare = _Spare(prepared)
+            spare = _Spare(prepared, code)
             control.send(READY)
             continue
         if not fds:
@@ -109,7 +114,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
                 os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
-                spare = _Spare(prepared)  # the other one is not a child of the copy
+                spare = _Spare(prepared, spare.code)  # the other one is not a child of the copy
                 control.send(READY + json.dumps(identity()).encode())
             continue
         (cpu_s,) = PLAY.unpack(play)
@@ -123,7 +128,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
             os.close(fd)
         handles = [os.pidfd_open(child) for child in children]
         socket.send_fds(control, [b"child"], handles)
-        spare = _Spare(prepared)
+        spare = _Spare(prepared, spare.code)
         control.send(_reap(children, handles))
 
 
@@ -157,15 +162,17 @@ def _reap(children: list[int], handles: list[int]) -> bytes:
 
 
 class _Spare:
-    """A child forked in advance. It waits for its limit of CPU time and its descriptors, and has no other files open."""
+    """A child forked in advance. It loads the setup and the plays kept by the names ``code``, if any, waits for its limit of CPU
+    time and its descriptors, and has no other files open.
+    """
 
-    def __init__(self, layers: Any) -> None:
-        self._layers, zygote = layers, os.getpid()
+    def __init__(self, layers: Any, code: Sequence[str] = ()) -> None:
+        self.code, self._layers, zygote = code, layers, os.getpid()
         self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._pid = os.fork()
         if self._pid == 0:
             try:
-                _wait(layers, theirs.detach(), zygote)
+                _wait(layers, theirs.detach(), zygote, code)
             except BaseException:
                 traceback.print_exc()
             finally:
@@ -181,25 +188,32 @@ class _Spare:
             began = bool(self._socket.recv(1))
         except OSError:
             began = False
-        if not began:  # it has been killed, by a lack of memory perhaps
+        if not began:  # it has been killed, by a lack of memory perhaps, or could not load the code, which its play then reports
             self.end()
+            self.code = ()
             return _Spare(self._layers).start(cpu_s, fds)
         self._socket.close()
         return self._pid
 
     def end(self) -> None:
-        """Let the child exit without a play."""
+        """End the child without a play."""
         self._socket.close()
+        os.kill(self._pid, signal.SIGKILL)  # it may be loading
         os.waitpid(self._pid, 0)
 
 
-def _wait(layers: Any, fd: int, zygote: int) -> None:
-    """Wait for a play in a new child of the ``zygote``, and run it."""
+def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
+    """Load ``code`` in a new child of the ``zygote``, wait for a play, and run it."""
     from .lockdown import die_with_parent
 
     die_with_parent(zygote)
     layers.close_all_but({0: 0, 1: 1, 2: 2, 3: fd})
-    importlib.import_module("guest.run_scenes").rehearse()
+    run_scenes = importlib.import_module("guest.run_scenes")
+    run_scenes.rehearse()
+    if code:
+        signal.alarm(LOAD_S)
+        run_scenes.load(*code)
+        signal.alarm(0)
     with socket.socket(fileno=3) as ours:
         play, fds, _, _ = socket.recv_fds(ours, PLAY.size, 4)
         if not fds:

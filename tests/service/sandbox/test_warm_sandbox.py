@@ -1,6 +1,7 @@
 """A worker's sandbox: small guests in turn, and the guest with SciPy and matplotlib for submissions that need it."""
 
 import threading
+import time
 from dataclasses import replace
 
 import pytest
@@ -184,3 +185,61 @@ def f():
 
 def test_bytes_after_the_last_frame_are_not_accepted(warm_sandbox):
     assert warm_sandbox.play(job(LATE)).scene_ends["one"].ended is Ended.PROTOCOL
+
+
+def with_setup(setup, source, **more):
+    return replace(job(source), setup=f"import numpy as np\n{setup}", **more)
+
+
+def test_the_setup_runs_before_the_job_arrives(warm_sandbox):
+    asks = with_setup("import time\nbegun = time.monotonic()", "def f():\n    return time.monotonic() - begun")
+    for _ in warm_sandbox._guests:
+        assert warm_sandbox.play(asks).arrays["one"]["x"] < 5.0
+    time.sleep(0.6)
+    for _ in warm_sandbox._guests:
+        assert warm_sandbox.play(asks).arrays["one"]["x"] > 0.5
+
+
+def test_a_child_has_its_own_setup_and_nothing_of_others(warm_sandbox):
+    first = with_setup("import builtins\nbuiltins.seen, several = 1.0, []", "several.append(1)\ndef f():\n    return len(several)")
+    second = with_setup("import builtins", "def f():\n    return getattr(builtins, 'seen', 0.0)")
+    for asked, expected in ((first, 1.0), (first, 1.0), (first, 1.0), (second, 0.0), (second, 0.0), (first, 1.0), (second, 0.0)):
+        assert warm_sandbox.play(asked).arrays["one"]["x"] == expected
+
+
+def test_a_setup_that_reads_data_files_runs_when_they_are_there(warm_sandbox, tmp_path):
+    (tmp_path / "factor").write_text("3.0")
+    asked = with_setup("factor = float(open('factor').read())", "def f():\n    return factor", data={"factor": tmp_path / "factor"})
+    for _ in range(4):
+        assert warm_sandbox.play(asked).arrays["one"]["x"] == 3.0
+
+
+ENDS = {
+    "raises": "1 / 0",
+    "exits": "import os\nos._exit(3)",
+    "crashes": "import ctypes\nctypes.string_at(0)",
+    "draws": "import matplotlib.pyplot as plt\nplt.figure()",
+    "prints": "print('of the setup')",
+}
+
+
+@pytest.mark.parametrize("how", ENDS)
+def test_a_setup_ends_as_it_does_within_the_play(how, warm_sandbox, sandbox):
+    asked = with_setup(ENDS[how], "def f():\n    return 1.0")
+    assert [ending(warm_sandbox, asked) for _ in range(5)] == [ending(sandbox, asked)] * 5
+    assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
+
+
+def ending(sandbox, asked):
+    try:
+        result = sandbox.play(asked)
+    except Exception as error:
+        return type(error), str(error).partition("cpu_s")[0]
+    return result.scene_ends["one"].ended, result.scene_ends["one"].sentence, result.stdout
+
+
+@pytest.mark.slow
+def test_a_setup_that_takes_longer_than_the_host_waits_for_a_child_runs_within_the_play(warm_sandbox):
+    before = warm_sandbox.replaced
+    asked = with_setup("import time\ntime.sleep(4.5)", "def f():\n    return 1.0")
+    assert warm_sandbox.play(asked).finished("one") and warm_sandbox.replaced == before

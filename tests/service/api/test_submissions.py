@@ -291,7 +291,8 @@ def test_every_sample_gets_its_expected_report_over_http(server, rigid_body):
     with ThreadPoolExecutor(3) as pool:
         answers = list(pool.map(grade, known))
     for sample, answer in zip(known, answers, strict=True):
-        if sample.unexpected(answer["report"]):  # on a crowded machine a film may run out of its time: once more, alone
+        # on a crowded machine a film may run out of its time, or the report come later: once more, alone
+        if not answer["report"] or sample.unexpected(answer["report"]):
             answer = grade(sample)
         outcomes = [o for e in answer["report"]["exercises"] for o in e["outcomes"]]
         assert not sample.unexpected(answer["report"]), sample.file.name

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, KEEP, LOAD, NEEDED, PLAY, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, KEEP, LOAD, LOAD_S, NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job, Kept
@@ -204,7 +204,7 @@ class Zygote:
 
         With four descriptors there is a second child, with the reference functions, and its pidfd follows.
         """
-        self._control.settimeout(ANSWER_S)
+        self._control.settimeout(ANSWER_S + (LOAD_S if self._loads else 0.0))
         if self._exit_is_unread:
             self._read_exit()
         try:

@@ -64,9 +64,8 @@ class Layers:
         signal.pthread_sigmask(signal.SIG_SETMASK, [])
         call("prctl", PR_SET_DUMPABLE, 0, 0, 0, 0)
         die_with_parent()
+        self.limit()
         if self._limits:
-            for which, limit in LIMITS.items():
-                resource.setrlimit(which, (limit, limit))
             resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))  # SIGXCPU, then SIGKILL
         call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
         if self._rules is not None:
@@ -75,6 +74,12 @@ class Layers:
         if self._filter is not None:
             assert self._machine is not None
             seccomp.install(self._machine, self._filter, os.getpid())
+
+    def limit(self) -> None:
+        """Apply the limits other than that of CPU time: of memory, and no other process or thread, among others."""
+        if self._limits:
+            for which, limit in LIMITS.items():
+                resource.setrlimit(which, (limit, limit))
 
     def close_all_but(self, places: Mapping[int, int]) -> None:
         """Move open descriptors to ``places`` and close all others, except those that ``apply`` and a child need."""

@@ -211,8 +211,13 @@ def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
     run_scenes = importlib.import_module("guest.run_scenes")
     run_scenes.rehearse()
     if code:
+        layers.limit()
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.alarm(LOAD_S)
+        free = _free_fd()
         run_scenes.load(*code)
+        if _free_fd() != free:
+            raise OSError("the setup keeps a file open")  # which would be closed before the play
         signal.alarm(0)
     with socket.socket(fileno=3) as ours:
         play, fds, _, _ = socket.recv_fds(ours, PLAY.size, 4)
@@ -222,6 +227,12 @@ def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
         ours.detach()
     job, result, output, *calls = fds
     _run("run_scenes", layers, {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)), *PLAY.unpack(play))
+
+
+def _free_fd() -> int:
+    """Return the number that the next file would get."""
+    os.close(fd := os.dup(0))
+    return fd
 
 
 def _fork(layers: Any, job: int, calls: int, cpu_s: int) -> int:

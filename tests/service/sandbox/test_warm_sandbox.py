@@ -214,6 +214,25 @@ def test_a_setup_that_reads_data_files_runs_when_they_are_there(warm_sandbox, tm
         assert warm_sandbox.play(asked).arrays["one"]["x"] == 3.0
 
 
+THREAD = """
+import threading
+try:
+    threading.Thread(target=threading.Event().wait, daemon=True).start()
+except RuntimeError:
+    pass
+"""
+
+
+def test_a_setup_starts_no_thread_that_escapes_the_layers(warm_sandbox):
+    asked = with_setup(THREAD, "def f():\n    return threading.active_count()")
+    assert [warm_sandbox.play(asked).arrays["one"]["x"] for _ in range(4)] == [1.0] * 4
+
+
+def test_a_file_that_a_setup_keeps_open_is_not_taken_for_a_pipe_of_the_play(warm_sandbox):
+    asked = with_setup("import os\nopened = open(os.devnull)", "def f():\n    opened.close()\n    return 1.0")
+    assert [warm_sandbox.play(asked).finished("one") for _ in range(4)] == [True] * 4
+
+
 ENDS = {
     "raises": "1 / 0",
     "exits": "import os\nos._exit(3)",

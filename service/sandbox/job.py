@@ -177,7 +177,7 @@ def _listed(value: Any) -> Any:
     if isinstance(value, bytes):
         return {BYTES: base64.b64encode(value).decode()}
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.size > SHORT:
-        return {NUMBERS: base64.b64encode(value.tobytes()).decode(), "shape": value.shape}  # a tenth of the time of their digits
+        return {NUMBERS: value.tobytes(), "shape": value.shape}  # a tenth of the time of their digits
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):

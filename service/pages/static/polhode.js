@@ -205,7 +205,7 @@ function download(form, name, content) {
   done.focus();
 }
 
-const MOST_KEPT = 60000; // bytes; browsers keep 64 KiB alive
+const KEEPALIVE_BYTES = 60000; // browsers allow 64 KiB
 
 async function send(form, submitter) {
   announce("");
@@ -216,7 +216,7 @@ async function send(form, submitter) {
   if (submitter) submitter.disabled = true;
   try {
     const body = form.enctype === "multipart/form-data" ? data : new URLSearchParams(data);
-    const keepalive = body !== data && String(body).length < MOST_KEPT; // sent although another form's answer replaces the page meanwhile
+    const keepalive = body !== data && String(body).length < KEEPALIVE_BYTES; // sent although another form's answer replaces the page meanwhile
     const answer = await fetch(submitter?.getAttribute("formaction") ?? form.getAttribute("action"), { method: "POST", body, keepalive, headers: { Accept: "application/problem+json" } });
     if (answer.ok) {
       const [, file] = /^attachment; filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition")) ?? [];

@@ -72,7 +72,6 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     forget()
     try:
         plays, unchanged, student = _loaded(job)
-        _in_advance.clear()
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
@@ -94,7 +93,8 @@ _in_advance = list[tuple[dict[str, Any], Loaded]]()
 
 def _loaded(job: dict[str, Any]) -> Loaded:
     """Return the names that the job's plays define, a function as ``_load_plays`` returns it, and the namespace after its setup."""
-    for parts, loaded in _in_advance:
+    if _in_advance:
+        parts, loaded = _in_advance.pop()
         if all(part is job[name] for name, part in parts.items()):
             return loaded
     return *_load_plays(job["plays"]["source"], code(job, "plays")), prepare(code(job, "setup"))

@@ -89,7 +89,7 @@ def _decoded(value: dict[str, Any]) -> Any:
         return base64.b64decode(value[BYTES])
     if NUMBERS not in value:
         return value
-    return np.frombuffer(base64.b64decode(value[NUMBERS]), "<f8").reshape(value["shape"]).tolist()
+    return np.frombuffer(value[NUMBERS], "<f8").reshape(value["shape"]).tolist()
 
 
 class Questions:

@@ -19,6 +19,7 @@ from service.store.postgres.cluster import REMEDY, Cluster
 from service.store.postgres.os_user import DatabaseUnavailable, as_server, own
 
 USER = DATABASE = "polhode"
+NEW = "postgres.new"  # begins the name of the folder of a cluster that is not complete yet
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
 # A comma separates socket folders; other characters would need escapes in the address.
 PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)
@@ -77,9 +78,10 @@ class EmbeddedPostgres:
         try:
             if final.folder.is_dir() and any(final.folder.iterdir()):
                 raise DatabaseUnavailable(f"there is a database folder {final.folder}: move it away to restore into a new one")
-            self._cluster = Cluster(final.folder.with_name("postgres.new"))
-            self._end_orphan()
-            self._initdb()
+            for left in self._unfinished():
+                self._cluster = Cluster(left)
+                self._end_orphan()
+            self._cluster = Cluster(self._initdb())
             self._run_server()
             yield self.url
             self.end()
@@ -196,11 +198,18 @@ class EmbeddedPostgres:
         if pid is None:  # another process may have that id now, which PostgreSQL would take for its server
             (self._cluster.folder / "postmaster.pid").unlink(missing_ok=True)
 
+    def _unfinished(self) -> list[Path]:
+        """Return the folders of clusters that have not been completed."""
+        return [*self._log.parent.glob(f"{NEW}*")]
+
     def _initdb(self) -> Path:
-        """Create a cluster in a temporary folder, to be renamed, so that an incomplete one is never used."""
-        new = self._log.with_name("postgres.new")
-        shutil.rmtree(new, ignore_errors=True)
-        new.mkdir(mode=0o700)
+        """Create a cluster in a temporary folder, to be renamed, so that an incomplete one is never used.
+
+        Its name is new, because the initdb of a polhode that was killed may still write to its own folder.
+        """
+        for left in self._unfinished():
+            shutil.rmtree(left, ignore_errors=True)
+        new = Path(tempfile.mkdtemp(prefix=f"{NEW}-", dir=self._log.parent))
         own(new)
         command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
         options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]

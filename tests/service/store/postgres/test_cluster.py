@@ -1,9 +1,11 @@
 """The folder of the embedded database is lost: noticed while the server runs, and never taken for a first start."""
 
+import contextlib
 import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -158,7 +160,7 @@ STARTS = (
 def test_a_first_start_that_is_killed_in_initdb_can_be_repeated(tmp_path):
     starting = subprocess.Popen([sys.executable, "-c", STARTS, str(tmp_path / "data")])
     deadline = time.monotonic() + 30
-    while not (tmp_path / "data" / "postgres.new" / "PG_VERSION").exists():
+    while not [*tmp_path.glob("data/postgres.new*/PG_VERSION")]:
         assert time.monotonic() < deadline and starting.poll() is None
         time.sleep(0.005)
     starting.kill()
@@ -168,6 +170,28 @@ def test_a_first_start_that_is_killed_in_initdb_can_be_repeated(tmp_path):
     database.start()
     assert sql(database.url, "SELECT 1") == [(1,)]
     database.stop()
+
+
+@pytest.mark.slow
+def test_a_first_start_succeeds_while_the_initdb_of_a_killed_one_still_writes(tmp_path):
+    left, done = tmp_path / "data" / "postgres.new", threading.Event()
+
+    def write():
+        while not done.is_set():
+            left.mkdir(parents=True, exist_ok=True)
+            with contextlib.suppress(OSError):
+                (left / "PG_VERSION").write_text("15\n")
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    database = EmbeddedPostgres(tmp_path / "data")
+    try:
+        database.start()
+        assert sql(database.url, "SELECT 1") == [(1,)]
+    finally:
+        done.set()
+        writer.join()
+        database.stop()
 
 
 @pytest.mark.slow

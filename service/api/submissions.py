@@ -299,7 +299,7 @@ def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
 
 async def _wait(database: Db, listener: Listener, accepted: Accepted, seconds: float) -> SubmissionRecord:
     """Return the submission when it has its result, at latest after ``seconds``."""
-    changes, stored = listener.wait_for_changes(str(accepted.id), seconds), None
+    changes, stored = listener.wait_for_changes(str(accepted.id), seconds, progress=False), None
     if accepted.fresh:
         await anext(changes)  # starts to wait: a new submission has no result yet
     async for _ in changes:

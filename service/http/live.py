@@ -15,7 +15,7 @@ from fastapi.sse import ServerSentEvent
 
 from service.store.database import Database, connect_options, is_outage
 from service.store.records import positions
-from service.store.runs import CHANNEL
+from service.store.runs import CHANNEL, PROGRESS
 
 log = logging.getLogger(__name__)
 POLL_S = 2.0  # polling interval, because a notification may be lost with its connection
@@ -30,7 +30,7 @@ class Listener:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._waiting: defaultdict[str, set[asyncio.Event]] = defaultdict(set)
+        self._waiting: defaultdict[str, dict[asyncio.Event, bool]] = defaultdict(dict)  # whether also for progress
         self._stopping = False
         self._task: asyncio.Task[None] | None = None
         self._positions: tuple[float, Mapping[str, int]] = (float("-inf"), {})
@@ -51,13 +51,16 @@ class Listener:
         self._stopping = True
         self._wake_all()
 
-    async def wait_for_changes(self, submission: str, seconds: float, every: float = POLL_S) -> AsyncIterator[None]:
-        """Yield immediately, after each change of the submission, and at least ``every`` seconds; end
-        after ``seconds``.
+    async def wait_for_changes(
+        self, submission: str, seconds: float, every: float = POLL_S, *, progress: bool = True
+    ) -> AsyncIterator[None]:
+        """Yield immediately, after each change of the submission, and at least every ``every`` seconds; end after ``seconds``.
+
+        Without ``progress``, the progress of its grading is no change.
         """
         loop, event = asyncio.get_running_loop(), asyncio.Event()
         until = loop.time() + seconds
-        self._waiting[submission].add(event)
+        self._waiting[submission][event] = progress
         try:
             yield
             while (left := until - loop.time()) > 0 and not self._stopping:
@@ -66,7 +69,7 @@ class Listener:
                 event.clear()
                 yield
         finally:
-            self._waiting[submission].discard(event)
+            self._waiting[submission].pop(event, None)
             if not self._waiting[submission]:
                 del self._waiting[submission]
 
@@ -100,9 +103,11 @@ class Listener:
                 logged = True
                 await asyncio.sleep(0.5)
 
-    def _wake(self, submission: str) -> None:
-        for event in self._waiting.get(submission, ()):
-            event.set()
+    def _wake(self, notification: str) -> None:
+        submission = notification.removesuffix(PROGRESS)
+        for event, also_progress in self._waiting.get(submission, {}).items():
+            if also_progress or submission == notification:
+                event.set()
 
     def _wake_all(self) -> None:
         for events in self._waiting.values():

@@ -19,6 +19,7 @@ from service.store.database import Connection, Database, Row
 from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
 
 CHANNEL = "polhode"
+PROGRESS = " progress"  # ends a notification about a grading that goes on: a request that waits for its result need not look
 MAX_FAILED_RUNS = 2  # a run that failed is repeated once; one that was lost, up to ``max_runs`` in all
 
 
@@ -82,7 +83,7 @@ async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, 
     async with database.begin() as connection:
         row = await connection.first(_HEARTBEAT, values)
         if row is not None and row.moved:
-            await notify_in(connection, claimed.submission_id)
+            await notify_in(connection, claimed.submission_id, PROGRESS)
     return row is not None
 
 
@@ -150,9 +151,9 @@ def _job_fields(grading: UUID, row: Row) -> dict[str, Any]:
     }
 
 
-async def notify_in(connection: Connection, submission_id: UUID) -> None:
-    """Notify all servers when this transaction is committed."""
-    await connection.execute("SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": str(submission_id)})
+async def notify_in(connection: Connection, submission_id: UUID, suffix: str = "") -> None:
+    """Notify all servers when this transaction is committed. ``suffix`` is PROGRESS or "" for any other change."""
+    await connection.execute("SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": f"{submission_id}{suffix}"})
 
 
 _GRADING = """
@@ -172,7 +173,7 @@ judged AS (SELECT *, failed >= :most_failed OR lost + failed >= max_runs AS give
 begun AS (
     INSERT INTO run (id, grading_id, worker, phase)
     SELECT :run, :grading, :worker, 'starting' FROM judged WHERE NOT finished AND NOT given_up
-    ON CONFLICT DO NOTHING RETURNING pg_notify('{CHANNEL}', (SELECT CAST(submission_id AS text) FROM judged))
+    ON CONFLICT DO NOTHING RETURNING pg_notify('{CHANNEL}', (SELECT submission_id || '{PROGRESS}' FROM judged))
 )
 SELECT judged.*, set_config('synchronous_commit', 'off', true) FROM judged LEFT JOIN begun ON true
 """

@@ -6,6 +6,7 @@ import itertools
 from service.http import live
 from service.http.live import ChangeFeed, Listener
 from service.store.database import Database
+from service.store.runs import PROGRESS
 
 
 def watched(action):
@@ -83,3 +84,23 @@ def test_a_look_that_began_before_a_change_is_not_kept():
         return await watch.current()
 
     assert watched(action) == "b"
+
+
+def test_a_request_for_the_result_is_not_woken_by_progress():
+    async def action(watch, told, listener):
+        counts = {True: 0, False: 0}
+
+        async def wait(progress):
+            async for _ in listener.wait_for_changes("s", 30.0, progress=progress):
+                counts[progress] += 1
+
+        tasks, seen = [asyncio.create_task(wait(progress)) for progress in counts], []
+        for notification in ("", f"s{PROGRESS}", "s", "t", f"t{PROGRESS}"):
+            listener._wake(notification)
+            await asyncio.sleep(0.05)
+            seen.append(tuple(counts.values()))
+        listener.leave()
+        await asyncio.gather(*tasks)
+        return seen
+
+    assert watched(action) == [(1, 1), (2, 1), (3, 2), (3, 2), (3, 2)]

@@ -99,6 +99,16 @@ def test_content_that_gradings_share_is_sent_and_stored_once(database_url, gradi
     assert run(database_url, lambda d: artefacts.find_arrays(d, grading[0])) == []
 
 
+def test_only_the_result_is_announced_as_more_than_progress(database_url, grading):
+    with psycopg.connect(database_url, autocommit=True) as listener:
+        listener.execute(f"LISTEN {runs.CHANNEL}")
+        claimed = claim(database_url, grading[0])
+        run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 3))
+        finish(database_url, claimed)
+        announced = [one.payload for one in listener.notifies(timeout=0.5)]
+    assert announced == [f"{grading[1]}{runs.PROGRESS}"] * 2 + [str(grading[1])]
+
+
 def test_a_run_that_a_crash_of_the_database_lost_is_stored_with_its_result(database_url, grading):
     claimed = claim(database_url, grading[0])
     sql(database_url, "DELETE FROM run")  # its commit did not wait for the disk

@@ -72,7 +72,10 @@ def grade(
     fails, a package of the assignment is not installed, or the assignment's own code fails.
     """
     with author_errors(assignment):
-        return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
+        try:
+            return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
+        finally:
+            sandbox.end_begun()
 
 
 def _grade(
@@ -89,9 +92,11 @@ def _grade(
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     needed = _with_precursors(assignment, with_used(assignment, wanted))
-    inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in needed}
-    job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs, seed)
+    scenes = [s for s in assignment.scenes if s.name in needed]
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
+    sandbox.begin(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), budget)  # while inputs are drawn
+    inputs = {s.name: draw_inputs(s, seed) for s in scenes}
+    job = job_of(submission, assignment, scenes, inputs, seed)
 
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
         spared = [p for p in job.scenes if may_be_spared(assignment.scene(p.name))]
@@ -191,7 +196,7 @@ def _play(
     def on_scene(scene: str, so_far: PlayResult) -> None:
         on_progress("playing", places[scene], len(places))
         try:
-            second.start(PlayedJob(job, inputs, exact, so_far, budget))
+            second.start(PlayedJob(job, inputs, exact, so_far, budget), scene)
             for name in (scene, *(p.name for p in second.spared if p.after == scene)):
                 exact[name] = truth(assignment.scene(name), inputs[name])
         except Exception as error:  # raised after the play: the guest goes on

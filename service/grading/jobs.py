@@ -28,16 +28,27 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 
 
 def job_of(
-    submission: Submission, assignment: Assignment, scenes: Sequence[Scene], inputs: Mapping[str, Inputs], seed: int = 0
+    submission: Submission,
+    assignment: Assignment,
+    scenes: Sequence[Scene],
+    inputs: Mapping[str, Inputs] | None = None,
+    seed: int = 0,
 ) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes. ``seed`` determines at which calls to compare recordings."""
-    recorded = {s.name: _recorded_inputs(s, s.recorded, seed) for s in scenes if s.recorded and s.recorded.recordings}
+    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` its child can only be started.
+
+    ``seed`` determines at which calls to compare recordings.
+    """
+    recorded = {s.name: s.recorded for s in scenes if s.recorded and s.recorded.recordings}
+    given = {s.name: {"recorded": _calls(recorded[s.name])} if s.name in recorded else {} for s in scenes}
+    if inputs is not None:
+        samples = {name: _sample(name, one, seed) for name, one in recorded.items()}
+        given = {name: {**inputs[name], **kept, **samples.get(name, {})} for name, kept in given.items()}
     requests = tuple(
         SceneRequest(
             s.name,
             s.play,
             s.function,
-            {**inputs[s.name], **recorded.get(s.name, {})},
+            given[s.name],
             {**s.returns, **({"recorded": ArraySpec((), alone=True)} if s.name in recorded else {})},
             s.budget_s,
             s.after,
@@ -53,9 +64,9 @@ def job_of(
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
 
 
-def _recorded_inputs(scene: Scene, recorded: Recorded, seed: int) -> dict[str, Any]:
-    rng = np.random.default_rng([seed, 4, zlib.crc32(scene.name.encode())])
-    return {"recorded": _calls(recorded), "sample": recorded.sample(recorded.recordings, rng)}
+def _sample(scene: str, recorded: Recorded, seed: int) -> dict[str, Any]:
+    rng = np.random.default_rng([seed, 4, zlib.crc32(scene.encode())])
+    return {"sample": recorded.sample(recorded.recordings, rng)}
 
 
 @functools.cache

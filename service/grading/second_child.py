@@ -56,10 +56,18 @@ class SecondChild:
         if self._running is not None:
             futures.wait([self._running])
 
-    def start(self, played: PlayedJob) -> None:
-        """Start it beside the first child if that has answered every question, and the sandbox has a guest for a second one."""
+    def start(self, played: PlayedJob, scene: str) -> None:
+        """Start it beside the first child, which begins ``scene``, if the sandbox has a guest for a second one.
+
+        It begins while the first child answers the last question, and gets the submission once that has answered every one.
+        """
         asked = self._all(played)
-        if self._running is None and self._sandbox.beside is not None and asked and set(self._questions(played)) == asked:
+        left = asked - set(self._questions(played))
+        if self._running is not None or self._sandbox.beside is None or not asked:
+            return
+        if left == {scene}:
+            self._sandbox.begin(replace(played.job, scenes=tuple(p for p in played.job.scenes if p.name in asked)), played.budget)
+        elif not left:
             self._prepare(played)
             self._running = self._sandbox.beside.submit(self._play, played, self._again, needed_cells=True)
 

@@ -2,7 +2,9 @@
 
 import logging
 import threading
+from collections.abc import Iterator
 from concurrent.futures import Executor
+from contextlib import contextmanager
 
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
@@ -101,6 +103,36 @@ class Sandbox:
         """
         with self._turn:
             return self._play(job, on_scene, budget or TimeBudget(self.limits))
+
+    def begin(self, job: Job, budget: TimeBudget) -> None:
+        """Start the child that plays ``job`` next, before the inputs of its scenes are known, unless another thread plays."""
+        with self._unless_playing() as free:
+            if free:
+                self.start().begin(job, budget)
+
+    def end_begun(self) -> None:
+        """End a child that has begun and has no job, unless another thread plays."""
+        with self._unless_playing() as free:
+            if free and self._zygote is not None:
+                self._zygote.end_begun()
+
+    def prepare(self) -> None:
+        """Let the guest fork the child of the next play in advance, unless another thread plays."""
+        with self._unless_playing() as free:
+            if free and self._zygote is not None:
+                self._zygote.prepare()
+
+    @contextmanager
+    def _unless_playing(self) -> Iterator[bool]:
+        """Provide whether the guest is free, and keep it so, for the ``with`` block. A guest that is lost there is closed."""
+        free = self._turn.acquire(blocking=False)
+        try:
+            yield free
+        except ZygoteLost:
+            self.close()
+        finally:
+            if free:
+                self._turn.release()
 
     def _play(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
         result = PlayResult()

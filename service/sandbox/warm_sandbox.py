@@ -42,12 +42,12 @@ class WarmSandbox(Sandbox):
         for guest in self._guests:
             guest.self_test()
         super().self_test()
+        self.prepare()
 
     def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:
         """Play every scene of ``job`` in the next small guest, or in the one with the libraries. See ``Sandbox.play``."""
         budget = budget or TimeBudget(self.limits)
-        draws = any(spec.dtype == "uint8" for scene in job.scenes for spec in scene.returns.values())
-        if not draws and job.cells not in self._with_library and self.self_tested:
+        if self._is_small(job):
             guest = self._guests.pop(0)
             self._guests.append(guest)
             try:
@@ -55,6 +55,30 @@ class WarmSandbox(Sandbox):
             except LibraryNeeded:
                 self._with_library.append(job.cells)
         return super().play(job, on_scene, budget)
+
+    def begin(self, job: Job, budget: TimeBudget) -> None:
+        """Start the child that plays ``job`` next, in the guest that does so. See ``Sandbox.begin``."""
+        if self._is_small(job):
+            self._guests[0].begin(job, budget)
+        else:
+            super().begin(job, budget)
+
+    def end_begun(self) -> None:
+        """End children that have begun and have no job."""
+        for guest in self._guests:
+            guest.end_begun()
+        super().end_begun()
+
+    def prepare(self) -> None:
+        """Let every guest fork the child of its next play in advance. See ``Sandbox.prepare``."""
+        for guest in self._guests:
+            guest.prepare()
+        super().prepare()
+
+    def _is_small(self, job: Job) -> bool:
+        """Return whether a small guest is tried for a job: it does not draw, and its cells are not known to use a library."""
+        draws = any(spec.dtype == "uint8" for scene in job.scenes for spec in scene.returns.values())
+        return not draws and job.cells not in self._with_library and self.self_tested
 
     def close(self) -> None:
         """End all guests."""

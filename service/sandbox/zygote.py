@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, KEEP, LOAD, LOAD_S, NEEDED, PLAY, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, KEEP, LOAD, LOAD_S, NEEDED, PLAY, PREPARE, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job, Kept
@@ -43,6 +43,20 @@ class LibraryNeeded(Exception):
         self.library = library
 
 
+class _Child:
+    """A child that the zygote was asked to start. These are the host's ends of its pipes."""
+
+    def __init__(self) -> None:
+        (job, questions), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
+        self.theirs = [job, result, output]
+        self.questions, self.answers, self.printed = FileIO(questions, "w"), FileIO(answers), FileIO(printed)
+
+    def close(self) -> None:
+        """Close the host's ends."""
+        for end in (self.questions, self.answers, self.printed):
+            end.close()
+
+
 class Zygote:
     """A zygote in the process ``started``. Children can read its folder, which holds the job's data files during a play.
     If it ``keeps`` parts of jobs, it gets each of them once.
@@ -57,6 +71,7 @@ class Zygote:
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
         self._exit_is_unread = False  # the message that the last child has exited has not been read
+        self._begun: _Child | None = None  # a child that waits for its job
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
         """Return a copy, which ends with this one. All share one folder of data files, so only one of them may play with any.
@@ -65,7 +80,7 @@ class Zygote:
         """
         other = copy.copy(self)
         other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        other._identity, other._is_copy, other._cancelled, other._exit_is_unread = None, True, cancelled, False
+        other._identity, other._is_copy, other._cancelled, other._exit_is_unread, other._begun = None, True, cancelled, False, None
         with theirs:
             socket.send_fds(self._control, [b"copy"], [theirs.fileno()])
         return other
@@ -108,10 +123,38 @@ class Zygote:
         ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
-        if self._keeps:
-            self._keep(job)
+        if job.data or job.reference or (self._keeps and not self._kept.issuperset(job.kept)):
+            self.end_begun()
+        child, self._begun = self._begun, None
         with self._data_files(job) if job.data else contextlib.nullcontext():
-            return self._play(job, budget, Reader(job, result, on_scene))
+            return self._play(child or self._start(job, budget), job, budget, Reader(job, result, on_scene))
+
+    def begin(self, job: Job, budget: TimeBudget) -> None:
+        """Start the child that plays ``job`` next, with the inputs of its scenes perhaps, unless it needs data files or reference
+        functions. Raises ZygoteLost.
+        """
+        self.wait_ready()
+        if not (self._begun or job.data or job.reference):
+            self._begun = self._start(job, budget)
+
+    def end_begun(self) -> None:
+        """End a child that has begun and has no job. Raises ZygoteLost."""
+        child, self._begun = self._begun, None
+        if child is None:
+            return
+        with contextlib.closing(child):
+            pidfds = self._pidfds(1)
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)
+        _close(*pidfds)
+        self._exit_is_unread = True
+
+    def prepare(self) -> None:
+        """Let the zygote fork the next child in advance. Raises ZygoteLost."""
+        try:
+            self._control.send(PREPARE)
+        except OSError as error:
+            raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
 
     def _keep(self, job: Job) -> None:
         """Let the zygote keep parts of the job, and load its code in children before their jobs, unless it may read data files."""
@@ -137,27 +180,41 @@ class Zygote:
         if self._message() != READY:
             raise ZygoteLost("the sandbox process stopped between two plays")
 
-    def _play(self, job: Job, budget: TimeBudget, reader: Reader) -> bool:
-        (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        theirs, encoded = [job_r, result_w, output_w], job.encode(kept=self._keeps)
-        with FileIO(job_w, "w") as questions, FileIO(result_r) as answers, FileIO(output_r) as printed:
-            try:
-                unsent = _write_first(questions, encoded)
-                if job.reference:
-                    theirs.append(_file(job.encode_reference()))
-                children = self._fork(theirs, budget.cpu_left())
-            finally:
-                _close(*theirs)
-            began, waited = time.monotonic(), ProcessorWait(*children)
-            session = PlaySession(job, unsent, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
+    def _start(self, job: Job, budget: TimeBudget) -> _Child:
+        """Ask the zygote to start a child that can play ``job``."""
+        if self._keeps:
+            self._keep(job)
+        if self._exit_is_unread:
+            self._read_exit()
+        child = _Child()
+        theirs = [*child.theirs, *([] if job.reference is None else [_file(job.encode_reference())])]
+        try:
+            # a guest that stays forks its next child after the grading, which may need the processors now
+            socket.send_fds(self._control, [PLAY.pack(max(1, math.ceil(budget.cpu_left())), not self._keeps)], theirs)
+        except OSError as error:
+            child.close()
+            raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
+        finally:
+            _close(*theirs)
+        return child
+
+    def _play(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
+        """Play ``job`` in a child that ``_start`` has started."""
+        with contextlib.closing(child):
+            unsent = _write_first(child.questions, job.encode(kept=self._keeps))
+            pidfds = self._pidfds(1 if job.reference is None else 2)
+            began, waited = time.monotonic(), ProcessorWait(*pidfds)
+            session = PlaySession(
+                job, unsent, budget, reader, self._control, child.questions, child.answers, child.printed, waited, self._cancelled
+            )
             try:
                 session.run()
             except OSError as error:
                 raise ZygoteLost(f"the sandbox process was lost: {error}") from error
             finally:
                 with contextlib.suppress(ProcessLookupError):
-                    signal.pidfd_send_signal(children[0], signal.SIGKILL)  # no child of this job survives it
-                _close(*children)
+                    signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)  # no child of this job survives it
+                _close(*pidfds)
         self._exit_is_unread = session.ended is None
         if session.ended is None and not (session.complete and waited.cpu_s):
             session.ended = self._read_exit()
@@ -199,29 +256,26 @@ class Zygote:
             for path in folder.iterdir():
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
 
-    def _fork(self, fds: list[int], cpu_s: float) -> list[int]:
-        """Start a child with these descriptors and this limit of CPU time, and return its pidfd.
-
-        With four descriptors there is a second child, with the reference functions, and its pidfd follows.
-        """
+    def _pidfds(self, count: int) -> list[int]:
+        """Return the pidfd of the child that was started, and with ``count`` 2 that of the one with its reference functions."""
         self._control.settimeout(ANSWER_S + (LOAD_S if self._loads else 0.0))
-        if self._exit_is_unread:
-            self._read_exit()
         try:
-            socket.send_fds(self._control, [PLAY.pack(max(1, math.ceil(cpu_s)))], fds)
-            word, handles, _, _ = socket.recv_fds(self._control, 16, 2)
+            word, pidfds, _, _ = socket.recv_fds(self._control, 16, 2)
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
-        if word != b"child" or len(handles) != len(fds) - 2:
-            _close(*handles)
+        if word != b"child" or len(pidfds) != count:
+            _close(*pidfds)
             raise ZygoteLost("the sandbox process stopped unexpectedly")
-        return handles
+        return pidfds
 
     def kill(self) -> None:
         """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s.
 
-        A copy ends when its socket is shut down, as it has no children then.
+        A copy ends when its socket is shut down, as it has no children then, except one that has begun.
         """
+        if self._begun is not None:
+            self._begun.close()  # that child then reads the end of its job, and exits
+            self._begun = None
         if self._is_copy:
             with contextlib.suppress(OSError):
                 self._control.shutdown(socket.SHUT_RDWR)
@@ -243,11 +297,14 @@ def _with_children(pid: int) -> list[int]:
 
 
 def _write_first(pipe: FileIO, data: bytes) -> memoryview:
-    """Write to a pipe what fits before there is a reader, and return the rest."""
+    """Write to a pipe what fits at once, and return the rest: nothing if the reader has ended."""
     with contextlib.suppress(OSError):  # more than this user may have
         fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
     os.set_blocking(pipe.fileno(), False)
-    return memoryview(data)[pipe.write(data) or 0 :]
+    try:
+        return memoryview(data)[pipe.write(data) or 0 :]
+    except BrokenPipeError:
+        return memoryview(b"")
 
 
 def _file(content: bytes) -> int:

@@ -165,6 +165,7 @@ class Worker:
             heartbeats.cancel()
             cancelled.clear()
             self._claimed = None
+            self._grader.sandbox.prepare()  # only now, as it takes processor time
 
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""

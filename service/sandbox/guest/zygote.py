@@ -1,8 +1,9 @@
 """The zygote: a warm process that imports the libraries once and forks a child for each play.
 
-It reads no submission and has no secret. The child of the next play is forked in advance (``_Spare``) and waits for its files.
+It reads no submission and has no secret. It forks the child of the next play in advance (``_Spare``), which waits for its files:
+on PREPARE, or when a play begins if the host says so.
 
-For each play the host sends three descriptors (job, result, output) and the child's limit of CPU time. The zygote returns a pidfd,
+For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. With a fourth
 descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
@@ -28,7 +29,8 @@ from typing import Any
 NEEDED = {"scipy": 95, "matplotlib": 96}  # exit codes of a child that uses a library which the zygote has not imported
 LOCKDOWN_FAILED = 97  # exit code
 READY = b"ready"
-PLAY = struct.Struct("<i")  # limit of CPU time in seconds
+LIMIT = struct.Struct("<i")  # of CPU time in seconds
+PLAY = struct.Struct("<i?")  # limit of CPU time in seconds, and whether the child of the next play is forked now
 REAPED = struct.Struct("<iid")  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
@@ -43,7 +45,7 @@ MODULES = {
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
     "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
 }
-IMPORT, KEEP, LOAD = b"import ", b"keep ", b"load "
+IMPORT, KEEP, LOAD, PREPARE = b"import ", b"keep ", b"load ", b"prepare"
 LOAD_S = 2  # for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within the play
 LATER = "libraries-later"
 
@@ -88,20 +90,18 @@ def _obey(control: socket.socket, prepared: Any) -> None:
     """Do what the control socket asks for, until the host closes it."""
     from .lockdown import identity
 
-    spare = _Spare(prepared)
+    code: Sequence[str] = ()
+    spare: _Spare | None = _Spare(prepared)
     while True:
         play, fds, _, _ = socket.recv_fds(control, 256, 4)
+        if play == PREPARE:
+            spare = spare or _Spare(prepared, code)
+            continue
         if play.startswith((IMPORT, KEEP, LOAD)):
-            code = spare.code
-            if play.startswith(IMPORT):
-                _import_later(play.removeprefix(IMPORT).decode())
-            elif play.startswith(KEEP):
-                sys.modules["guest.wire"].keep(play.removeprefix(KEEP).decode(), fds[0])
-                os.close(fds[0])
-            else:
-                code = play.removeprefix(LOAD).decode().split()
-            spare.end()
-            spare = _Spare(prepared, code)
+            code = _obey_between_plays(play, fds, code)
+            if spare:
+                spare.end()
+            spare = None
             control.send(READY)
             continue
         if not fds:
@@ -114,22 +114,36 @@ def _obey(control: socket.socket, prepared: Any) -> None:
                 os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
-                spare = _Spare(prepared, spare.code)  # the other one is not a child of the copy
+                spare = None  # that of the other one is not a child of the copy
                 control.send(READY + json.dumps(identity()).encode())
             continue
-        (cpu_s,) = PLAY.unpack(play)
+        cpu_s, at_once = PLAY.unpack(play)
         theirs, calls = fds[:3], []
         children = []
         if len(fds) > len(theirs):
             calls = [end.detach() for end in socket.socketpair()]
             children.append(_fork(prepared, fds[3], calls[0], cpu_s))
-        children.insert(0, spare.start(cpu_s, [*theirs, *calls[1:]]))
+        waiting = spare or _Spare(prepared)
+        children.insert(0, waiting.start(cpu_s, [*theirs, *calls[1:]]))
+        code = spare.code if spare else code
         for fd in (*fds, *calls):
             os.close(fd)
         handles = [os.pidfd_open(child) for child in children]
         socket.send_fds(control, [b"child"], handles)
-        spare = _Spare(prepared, spare.code)
+        spare = _Spare(prepared, code) if at_once else None
         control.send(_reap(children, handles))
+
+
+def _obey_between_plays(message: bytes, fds: Sequence[int], code: Sequence[str]) -> Sequence[str]:
+    """Import, keep, or return the names of the code that children load from now on instead of ``code``."""
+    if message.startswith(LOAD):
+        return message.removeprefix(LOAD).decode().split()
+    if message.startswith(IMPORT):
+        _import_later(message.removeprefix(IMPORT).decode())
+    else:
+        sys.modules["guest.wire"].keep(message.removeprefix(KEEP).decode(), fds[0])
+        os.close(fds[0])
+    return code
 
 
 def _import_later(library: str) -> None:
@@ -184,7 +198,7 @@ class _Spare:
         process id.
         """
         try:
-            socket.send_fds(self._socket, [PLAY.pack(cpu_s)], fds)
+            socket.send_fds(self._socket, [LIMIT.pack(cpu_s)], fds)
             began = bool(self._socket.recv(1))
         except OSError:
             began = False
@@ -220,13 +234,13 @@ def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
             raise OSError("the setup keeps a file open")  # which would be closed before the play
         signal.alarm(0)
     with socket.socket(fileno=3) as ours:
-        play, fds, _, _ = socket.recv_fds(ours, PLAY.size, 4)
+        limit, fds, _, _ = socket.recv_fds(ours, LIMIT.size, 4)
         if not fds:
             os._exit(0)
         ours.send(b"!")
         ours.detach()
     job, result, output, *calls = fds
-    _run("run_scenes", layers, {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)), *PLAY.unpack(play))
+    _run("run_scenes", layers, {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)), *LIMIT.unpack(limit))
 
 
 def _free_fd() -> int:

@@ -1,5 +1,7 @@
 """A worker's sandbox: small guests in turn, and the guest with SciPy and matplotlib for submissions that need it."""
 
+import os
+import signal
 import threading
 import time
 from dataclasses import replace
@@ -8,9 +10,12 @@ import pytest
 
 from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from service.grading.grade import grade
+from service.grading.submission import Submission
 from service.sandbox.job import Cell, Job, Kept, SceneRequest
 from service.sandbox.result import Cancelled
 from service.sandbox.time_budget import TimeBudget, TimeLimits
+from service.sandbox.zygote import Zygote
 
 SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom scipy.integrate import quad"
 PLAYS = """
@@ -51,6 +56,61 @@ def test_a_submission_that_uses_a_library_is_played_with_it_from_then_on(warm_sa
     small, own = plays(warm_sandbox)
     assert warm_sandbox.play(uses).finished("one") and plays(warm_sandbox) == (small, own + 1)
     assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one") and plays(warm_sandbox)[1] == own + 1
+
+
+def started(monkeypatch):
+    """The children that zygotes are asked to start from now on."""
+    start, found = Zygote._start, []
+
+    def recording(zygote, *rest):
+        found.append(child := start(zygote, *rest))
+        return child
+
+    monkeypatch.setattr(Zygote, "_start", recording)
+    return found
+
+
+def test_a_play_goes_on_in_the_child_that_has_begun(warm_sandbox, monkeypatch):
+    right, budget, children = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), started(monkeypatch)
+    for count in (1, 2):
+        warm_sandbox.begin(right, budget)
+        warm_sandbox.begin(right, budget)  # there is one
+        assert warm_sandbox.play(right, budget=budget).finished("one") and len(children) == count
+    warm_sandbox.begin(right, budget)
+    warm_sandbox.end_begun()
+    assert children[2].answers.closed and warm_sandbox.play(right).finished("one") and len(children) == 4
+    assert warm_sandbox.play(right).finished("one") and len(children) == 5
+
+
+def test_a_child_that_cannot_play_the_next_job_is_ended(warm_sandbox, monkeypatch, tmp_path):
+    (tmp_path / "factor").write_text("3.0")
+    source = "def f():\n    return float(open('factor').read())"
+    others = {
+        "other code": (replace(job("def f():\n    return 3.0"), plays=PLAYS + "# other\n"), 2),
+        "data files": (replace(job(source), data={"factor": tmp_path / "factor"}), 2),
+        "the same code": (job("def f():\n    return 3.0"), 1),
+    }
+    budget, children = TimeBudget(warm_sandbox.limits), started(monkeypatch)
+    for what, (other, count) in others.items():
+        warm_sandbox.begin(job("def f():\n    return 1.0"), budget)
+        assert warm_sandbox.play(other).arrays["one"]["x"] == 3.0 and len(children) == count, what
+        children.clear()
+
+
+def test_a_guest_that_was_lost_after_a_child_had_begun_is_replaced(warm_sandbox):
+    right, budget = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits)
+    for end in (warm_sandbox.end_begun, warm_sandbox.prepare, lambda: None):
+        warm_sandbox.begin(right, budget)
+        os.killpg(warm_sandbox._guests[0]._zygote._started.process.pid, signal.SIGKILL)
+        end()
+        assert [warm_sandbox.play(right).finished("one") for _ in range(2)] == [True] * 2
+
+
+def test_a_grading_leaves_no_child_that_has_begun(warm_sandbox, rigid_body, monkeypatch):
+    children = started(monkeypatch)
+    for source in ("def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I", "import os\nos._exit(0)"):
+        grade(Submission(source), rigid_body, warm_sandbox, 1, ["2"])
+        assert children and all(child.answers.closed for child in children)
 
 
 def test_scenes_that_draw_are_played_with_matplotlib_at_once(warm_sandbox):
@@ -191,27 +251,35 @@ def with_setup(setup, source, **more):
     return replace(job(source), setup=f"import numpy as np\n{setup}", **more)
 
 
+def play(sandbox, asked):
+    """Play a job after which the guest forks a child in advance, as after a grading."""
+    try:
+        return sandbox.play(asked)
+    finally:
+        sandbox.prepare()
+
+
 def test_the_setup_runs_before_the_job_arrives(warm_sandbox):
     asks = with_setup("import time\nbegun = time.monotonic()", "def f():\n    return time.monotonic() - begun")
     for _ in warm_sandbox._guests:
-        assert warm_sandbox.play(asks).arrays["one"]["x"] < 5.0
+        assert play(warm_sandbox, asks).arrays["one"]["x"] < 5.0
     time.sleep(0.6)
     for _ in warm_sandbox._guests:
-        assert warm_sandbox.play(asks).arrays["one"]["x"] > 0.5
+        assert play(warm_sandbox, asks).arrays["one"]["x"] > 0.5
 
 
 def test_a_child_has_its_own_setup_and_nothing_of_others(warm_sandbox):
     first = with_setup("import builtins\nbuiltins.seen, several = 1.0, []", "several.append(1)\ndef f():\n    return len(several)")
     second = with_setup("import builtins", "def f():\n    return getattr(builtins, 'seen', 0.0)")
     for asked, expected in ((first, 1.0), (first, 1.0), (first, 1.0), (second, 0.0), (second, 0.0), (first, 1.0), (second, 0.0)):
-        assert warm_sandbox.play(asked).arrays["one"]["x"] == expected
+        assert play(warm_sandbox, asked).arrays["one"]["x"] == expected
 
 
 def test_a_setup_that_reads_data_files_runs_when_they_are_there(warm_sandbox, tmp_path):
     (tmp_path / "factor").write_text("3.0")
     asked = with_setup("factor = float(open('factor').read())", "def f():\n    return factor", data={"factor": tmp_path / "factor"})
     for _ in range(4):
-        assert warm_sandbox.play(asked).arrays["one"]["x"] == 3.0
+        assert play(warm_sandbox, asked).arrays["one"]["x"] == 3.0
 
 
 THREAD = """
@@ -225,12 +293,12 @@ except RuntimeError:
 
 def test_a_setup_starts_no_thread_that_escapes_the_layers(warm_sandbox):
     asked = with_setup(THREAD, "def f():\n    return threading.active_count()")
-    assert [warm_sandbox.play(asked).arrays["one"]["x"] for _ in range(4)] == [1.0] * 4
+    assert [play(warm_sandbox, asked).arrays["one"]["x"] for _ in range(4)] == [1.0] * 4
 
 
 def test_a_file_that_a_setup_keeps_open_is_not_taken_for_a_pipe_of_the_play(warm_sandbox):
     asked = with_setup("import os\nopened = open(os.devnull)", "def f():\n    opened.close()\n    return 1.0")
-    assert [warm_sandbox.play(asked).finished("one") for _ in range(4)] == [True] * 4
+    assert [play(warm_sandbox, asked).finished("one") for _ in range(4)] == [True] * 4
 
 
 ENDS = {
@@ -246,12 +314,12 @@ ENDS = {
 def test_a_setup_ends_as_it_does_within_the_play(how, warm_sandbox, sandbox):
     asked = with_setup(ENDS[how], "def f():\n    return 1.0")
     assert [ending(warm_sandbox, asked) for _ in range(5)] == [ending(sandbox, asked)] * 5
-    assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
+    assert play(warm_sandbox, job("def f():\n    return 1.0")).finished("one")
 
 
 def ending(sandbox, asked):
     try:
-        result = sandbox.play(asked)
+        result = play(sandbox, asked)
     except Exception as error:
         return type(error), str(error).partition("cpu_s")[0]
     return result.scene_ends["one"].ended, result.scene_ends["one"].sentence, result.stdout
@@ -261,4 +329,4 @@ def ending(sandbox, asked):
 def test_a_setup_that_takes_longer_than_the_host_waits_for_a_child_runs_within_the_play(warm_sandbox):
     before = warm_sandbox.replaced
     asked = with_setup("import time\ntime.sleep(4.5)", "def f():\n    return 1.0")
-    assert warm_sandbox.play(asked).finished("one") and warm_sandbox.replaced == before
+    assert play(warm_sandbox, asked).finished("one") and warm_sandbox.replaced == before

@@ -3,6 +3,7 @@
 import functools
 import logging
 import platform
+import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
@@ -94,8 +95,10 @@ def _grade(
     needed = _with_precursors(assignment, with_used(assignment, wanted))
     scenes = [s for s in assignment.scenes if s.name in needed]
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
-    sandbox.begin(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), budget)  # while inputs are drawn
+    sandbox.begin(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), budget)
+    began = time.monotonic()
     inputs = {s.name: draw_inputs(s, seed) for s in scenes}
+    budget.extend(time.monotonic() - began)  # this is not the submission's time
     job = job_of(submission, assignment, scenes, inputs, seed)
 
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:

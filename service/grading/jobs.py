@@ -34,7 +34,7 @@ def job_of(
     inputs: Mapping[str, Inputs] | None = None,
     seed: int = 0,
 ) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` its child can only be started.
+    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` it is one for ``Sandbox.begin``.
 
     ``seed`` determines at which calls to compare recordings.
     """

@@ -47,35 +47,39 @@ class SecondChild:
         self.along: Mapping[str, Inputs] = {}
         self._asked = dict[str, tuple[list[str], np.ndarray]]()  # by scene: motions along which points were added, and the order
         self._again: list[SceneRequest] = []
+        self._beginning: futures.Future[None] | None = None
         self._running: futures.Future[PlayResult] | None = None
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        if self._running is not None:
-            futures.wait([self._running])
+        started: list[futures.Future[Any]] = [one for one in (self._beginning, self._running) if one is not None]
+        futures.wait(started)
 
     def start(self, played: PlayedJob, scene: str) -> None:
         """Start it beside the first child, which begins ``scene``, if the sandbox has a guest for a second one.
 
         It begins while the first child answers the last question, and gets the submission once that has answered every one.
         """
-        asked = self._all(played)
-        left = asked - set(self._questions(played))
-        if self._running is not None or self._sandbox.beside is None or not asked:
+        asked, beside = self._all(played), self._sandbox.beside
+        if self._running is not None or beside is None or not asked:
             return
+        left = asked - set(self._questions(played))
         if left == {scene}:
-            self._sandbox.begin(replace(played.job, scenes=tuple(p for p in played.job.scenes if p.name in asked)), played.budget)
+            repeated = tuple(p for p in played.job.scenes if p.name in asked)
+            self._beginning = beside.submit(self._sandbox.begin, replace(played.job, scenes=repeated), played.budget)
         elif not left:
             self._prepare(played)
-            self._running = self._sandbox.beside.submit(self._play, played, self._again, needed_cells=True)
+            self._running = beside.submit(self._play, played, self._again, needed_cells=True)
 
     def compare(self, played: PlayedJob) -> tuple[set[str], dict[str, Arrays]]:
         """Return the scenes of ``played`` whose answers differ when repeated, and the answers to the points along motions."""
         result, other = played.result, PlayResult()
         running = self._running if set(self._asked) == set(self._questions(played)) else None
         if running is None:  # not started, or the first child has lost answers since
+            if self._beginning is not None:
+                futures.wait([self._beginning])
             self._prepare(played)
 
         def parts(name: str, second: Arrays) -> list[Arrays]:

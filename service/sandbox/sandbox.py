@@ -105,7 +105,7 @@ class Sandbox:
             return self._play(job, on_scene, budget or TimeBudget(self.limits))
 
     def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next, before the inputs of its scenes are known, unless another thread plays."""
+        """Start the child of the next play, that of ``job`` with other inputs of its scenes, unless another thread plays."""
         with self._unless_playing() as free:
             if free:
                 self.start().begin(job, budget)
@@ -124,12 +124,15 @@ class Sandbox:
 
     @contextmanager
     def _unless_playing(self) -> Iterator[bool]:
-        """Provide whether the guest is free, and keep it so, for the ``with`` block. A guest that is lost there is closed."""
+        """Provide whether the guest is free, and keep it so, for the ``with`` block. A guest that is lost there is ended."""
         free = self._turn.acquire(blocking=False)
         try:
             yield free
         except ZygoteLost:
-            self.close()
+            self._end_guest()
+        except BaseException:
+            self._end_guest()
+            raise
         finally:
             if free:
                 self._turn.release()
@@ -162,19 +165,19 @@ class Sandbox:
             try:
                 played, reusable = self._play_with_libraries(zygote, job, budget, on_scene)
             except ZygoteLost as lost:
-                self.close()
+                self._end_guest()
                 if number == TRIES - 1:
                     raise SystemFault(str(lost)) from lost
                 continue
             except (Cancelled, LibraryNeeded):
                 raise
             except BaseException:
-                self.close()
+                self._end_guest()
                 raise
             result.add(played)
             self._plays += 1
             if not reusable or self._plays >= MOST_PLAYS:
-                self.close()
+                self._end_guest()
                 self.start()  # warms up while the report is written
             if _lacked_processor(job, played, budget):
                 raise _too_busy(budget)
@@ -196,9 +199,12 @@ class Sandbox:
 
     def close(self) -> None:
         """End the guest."""
-        if self._zygote is not None:
-            self._zygote.kill()
-            self._zygote = None
+        self._end_guest()
+
+    def _end_guest(self) -> None:
+        zygote, self._zygote = self._zygote, None
+        if zygote is not None:
+            zygote.kill()
 
     def _skip_followers(self, job: Job, result: PlayResult) -> None:
         for scene in job.scenes:

@@ -57,7 +57,7 @@ class WarmSandbox(Sandbox):
         return super().play(job, on_scene, budget)
 
     def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next, in the guest that does so. See ``Sandbox.begin``."""
+        """Start the child of the next play in the guest whose turn it is. See ``Sandbox.begin``."""
         if self._is_small(job):
             self._guests[0].begin(job, budget)
         else:

@@ -44,11 +44,11 @@ class LibraryNeeded(Exception):
 
 
 class _Child:
-    """A child that the zygote was asked to start. These are the host's ends of its pipes."""
+    """A child that the zygote was asked to start, its ``limit`` of CPU time in seconds, and the host's ends of its pipes."""
 
-    def __init__(self) -> None:
+    def __init__(self, limit: int) -> None:
         (job, questions), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
-        self.theirs = [job, result, output]
+        self.limit, self.theirs = limit, [job, result, output]
         self.questions, self.answers, self.printed = FileIO(questions, "w"), FileIO(answers), FileIO(printed)
 
     def close(self) -> None:
@@ -123,19 +123,31 @@ class Zygote:
         ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
-        if job.data or job.reference or (self._keeps and not self._kept.issuperset(job.kept)):
+        if self._begun is not None and not self._can_play(self._begun, job, budget):
             self.end_begun()
-        child, self._begun = self._begun, None
+        begun, self._begun = self._begun, None
         with self._data_files(job) if job.data else contextlib.nullcontext():
-            return self._play(child or self._start(job, budget), job, budget, Reader(job, result, on_scene))
+            child = begun or self._start(job, budget)
+            with contextlib.closing(child):
+                try:
+                    unsent = _write_first(child.questions, job.encode(kept=self._keeps))
+                except BrokenPipeError as error:
+                    if begun:
+                        raise ZygoteLost("the child has ended before its play") from error
+                    unsent = memoryview(b"")  # its exit and its output say why
+                return self._play(child, unsent, job, budget, Reader(job, result, on_scene))
 
     def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next, with the inputs of its scenes perhaps, unless it needs data files or reference
-        functions. Raises ZygoteLost.
+        """Start the child of the next play, that of ``job`` with other inputs of its scenes, unless the job needs data files or
+        reference functions. Raises ZygoteLost.
         """
         self.wait_ready()
         if not (self._begun or job.data or job.reference):
             self._begun = self._start(job, budget)
+
+    def _can_play(self, begun: _Child, job: Job, budget: TimeBudget) -> bool:
+        loaded = not self._keeps or (self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code])
+        return loaded and begun.limit == _limit(budget) and not (job.data or job.reference)
 
     def end_begun(self) -> None:
         """End a child that has begun and has no job. Raises ZygoteLost."""
@@ -186,35 +198,33 @@ class Zygote:
             self._keep(job)
         if self._exit_is_unread:
             self._read_exit()
-        child = _Child()
-        theirs = [*child.theirs, *([] if job.reference is None else [_file(job.encode_reference())])]
+        reference = [] if job.reference is None else [_file(job.encode_reference())]
+        child = _Child(_limit(budget))
         try:
             # a guest that stays forks its next child after the grading, which may need the processors now
-            socket.send_fds(self._control, [PLAY.pack(max(1, math.ceil(budget.cpu_left())), not self._keeps)], theirs)
+            socket.send_fds(self._control, [PLAY.pack(child.limit, not self._keeps)], [*child.theirs, *reference])
         except OSError as error:
             child.close()
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
         finally:
-            _close(*theirs)
+            _close(*child.theirs, *reference)
         return child
 
-    def _play(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
-        """Play ``job`` in a child that ``_start`` has started."""
-        with contextlib.closing(child):
-            unsent = _write_first(child.questions, job.encode(kept=self._keeps))
-            pidfds = self._pidfds(1 if job.reference is None else 2)
-            began, waited = time.monotonic(), ProcessorWait(*pidfds)
-            session = PlaySession(
-                job, unsent, budget, reader, self._control, child.questions, child.answers, child.printed, waited, self._cancelled
-            )
-            try:
-                session.run()
-            except OSError as error:
-                raise ZygoteLost(f"the sandbox process was lost: {error}") from error
-            finally:
-                with contextlib.suppress(ProcessLookupError):
-                    signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)  # no child of this job survives it
-                _close(*pidfds)
+    def _play(self, child: _Child, unsent: memoryview, job: Job, budget: TimeBudget, reader: Reader) -> bool:
+        """Play ``job``, of which a part is ``unsent``, in a child that ``_start`` has started."""
+        pidfds = self._pidfds(1 if job.reference is None else 2)
+        began, waited = time.monotonic(), ProcessorWait(*pidfds)
+        session = PlaySession(
+            job, unsent, budget, reader, self._control, child.questions, child.answers, child.printed, waited, self._cancelled
+        )
+        try:
+            session.run()
+        except OSError as error:
+            raise ZygoteLost(f"the sandbox process was lost: {error}") from error
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)  # no child of this job survives it
+            _close(*pidfds)
         self._exit_is_unread = session.ended is None
         if session.ended is None and not (session.complete and waited.cpu_s):
             session.ended = self._read_exit()
@@ -287,6 +297,11 @@ class Zygote:
             raise SystemFault("the sandbox process could not be killed") from error
 
 
+def _limit(budget: TimeBudget) -> int:
+    """Return the limit of CPU time in seconds of a child that starts now."""
+    return max(1, math.ceil(budget.cpu_left()))
+
+
 def _with_children(pid: int) -> list[int]:
     """Return the ids of a process and of all that it started and that still run."""
     try:
@@ -297,14 +312,11 @@ def _with_children(pid: int) -> list[int]:
 
 
 def _write_first(pipe: FileIO, data: bytes) -> memoryview:
-    """Write to a pipe what fits at once, and return the rest: nothing if the reader has ended."""
+    """Write to a pipe what fits at once, and return the rest."""
     with contextlib.suppress(OSError):  # more than this user may have
         fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
     os.set_blocking(pipe.fileno(), False)
-    try:
-        return memoryview(data)[pipe.write(data) or 0 :]
-    except BrokenPipeError:
-        return memoryview(b"")
+    return memoryview(data)[pipe.write(data) or 0 :]
 
 
 def _file(content: bytes) -> int:

@@ -174,6 +174,8 @@ class Worker:
         if number is not None:
             artefacts = await self._measure(job, number)
             await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
+            assert self._grader is not None
+            self._grader.sandbox.prepare()
         await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
 
     async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:

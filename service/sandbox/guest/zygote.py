@@ -135,7 +135,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
 
 
 def _obey_between_plays(message: bytes, fds: Sequence[int], code: Sequence[str]) -> Sequence[str]:
-    """Import, keep, or return the names of the code that children load from now on instead of ``code``."""
+    """Obey IMPORT, KEEP or LOAD. Return the names of the code that children load in advance from now on, before ``code``."""
     if message.startswith(LOAD):
         return message.removeprefix(LOAD).decode().split()
     if message.startswith(IMPORT):

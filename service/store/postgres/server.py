@@ -59,6 +59,7 @@ class EmbeddedPostgres:
         """
         self._take_folder()
         try:
+            self._remove_unfinished()
             if not self._cluster.exists:
                 self._cluster.check_nothing_lost()
                 self._initdb().rename(self._cluster.folder)
@@ -78,9 +79,7 @@ class EmbeddedPostgres:
         try:
             if final.folder.is_dir() and any(final.folder.iterdir()):
                 raise DatabaseUnavailable(f"there is a database folder {final.folder}: move it away to restore into a new one")
-            for left in self._unfinished():
-                self._cluster = Cluster(left)
-                self._end_orphan()
+            self._remove_unfinished()
             self._cluster = Cluster(self._initdb())
             self._run_server()
             yield self.url
@@ -198,17 +197,22 @@ class EmbeddedPostgres:
         if pid is None:  # another process may have that id now, which PostgreSQL would take for its server
             (self._cluster.folder / "postmaster.pid").unlink(missing_ok=True)
 
-    def _unfinished(self) -> list[Path]:
-        """Return the folders of clusters that have not been completed."""
-        return [*self._log.parent.glob(f"{NEW}*")]
+    def _remove_unfinished(self) -> None:
+        """Remove the folders of clusters that a killed polhode has not completed, and end the servers that run in them."""
+        final = self._cluster
+        try:
+            for folder in [*self._log.parent.glob(f"{NEW}*")]:
+                self._cluster = Cluster(folder)
+                self._end_orphan()
+                shutil.rmtree(folder, ignore_errors=True)
+        finally:
+            self._cluster = final
 
     def _initdb(self) -> Path:
         """Create a cluster in a temporary folder, to be renamed, so that an incomplete one is never used.
 
         Its name is new, because the initdb of a polhode that was killed may still write to its own folder.
         """
-        for left in self._unfinished():
-            shutil.rmtree(left, ignore_errors=True)
         new = Path(tempfile.mkdtemp(prefix=f"{NEW}-", dir=self._log.parent))
         own(new)
         command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]

@@ -1,6 +1,8 @@
 """The second child of a grading, which a worker's sandbox plays beside the first one: the reports are the same."""
 
 import json
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -8,7 +10,7 @@ import pytest
 from ecp.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.result import Cancelled
+from service.sandbox.result import Cancelled, SystemFault
 
 RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 LATER = """
@@ -33,21 +35,23 @@ SOURCES = {
 }
 
 
-class Counting(ThreadPoolExecutor):
-    """A thread that counts what it was given."""
+class Recording(ThreadPoolExecutor):
+    """A thread that records the names of what it was given."""
 
-    submitted = 0
+    def __init__(self):
+        super().__init__(1)
+        self.submitted = []
 
-    def submit(self, *work, **options):
-        self.submitted += 1
-        return super().submit(*work, **options)
+    def submit(self, work, *values, **options):
+        self.submitted.append(work.__name__)
+        return super().submit(work, *values, **options)
 
 
 @pytest.fixture
 def beside(warm_sandbox, monkeypatch):
-    with Counting(1) as counting:
-        monkeypatch.setattr(warm_sandbox, "beside", counting)
-        yield counting
+    with Recording() as recording:
+        monkeypatch.setattr(warm_sandbox, "beside", recording)
+        yield recording
 
 
 def as_json(report):
@@ -65,12 +69,43 @@ def test_the_report_is_the_same(source, rigid_body, sandbox, warm_sandbox, besid
 
 
 def test_it_starts_while_the_first_child_plays(rigid_body, warm_sandbox, beside):
-    assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed and beside.submitted == 1
+    assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed and beside.submitted == ["begin", "_play"]
 
 
-def test_it_does_not_start_before_the_first_child_has_answered(rigid_body, warm_sandbox, beside):
+def test_it_does_not_play_before_the_first_child_has_answered(rigid_body, warm_sandbox, beside):
     grade(Submission(SOURCES["crashes at once"]), rigid_body, warm_sandbox, 5, ["2"])
-    assert beside.submitted == 0
+    assert beside.submitted == ["begin"]
+
+
+def test_a_guest_that_is_slow_to_begin_does_not_hold_up_the_first_child(rigid_body, warm_sandbox, beside, monkeypatch):
+    """Who would block in a pipe that nobody reads, until its time is over."""
+    begin, waits = warm_sandbox.begin, []
+
+    def slow(*rest):
+        if threading.current_thread() is not threading.main_thread():
+            waits.append(time.sleep(1.0))
+        begin(*rest)
+
+    slow.__name__ = "begin"
+    monkeypatch.setattr(warm_sandbox, "begin", slow)
+    played = []
+    grade(
+        Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"], on_progress=lambda *step: played.append((step[0], time.monotonic()))
+    )
+    (_, first), *_, (phase, judging) = played
+    assert waits and phase == "judging" and judging - first < 0.9
+
+
+def test_a_second_child_whose_begin_fails_plays_all_the_same(rigid_body, warm_sandbox, beside, monkeypatch):
+    begin = warm_sandbox.begin
+
+    def failing(*rest):
+        if threading.current_thread() is not threading.main_thread():
+            raise SystemFault("the sandbox did not start")
+        begin(*rest)
+
+    monkeypatch.setattr(warm_sandbox, "begin", failing)
+    assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed
 
 
 def test_it_ends_with_a_cancelled_grading(rigid_body, warm_sandbox, beside):
@@ -90,10 +125,10 @@ def test_a_grading_waits_for_a_second_child_whose_answers_it_does_not_use(rigid_
         "right = euler_eqs\ndef euler_eqs(t, w, I):\n    if len(calls) == 100: time.sleep(1.0)\n    return right(t, w, I)\n"
     )
     grade(Submission(source), rigid_body, warm_sandbox, 5, ["2"])
-    assert beside.submitted == 1 and not any(guest._turn.locked() for guest in warm_sandbox._guests)
+    assert beside.submitted == ["begin", "_play"] and not any(guest._turn.locked() for guest in warm_sandbox._guests)
 
 
 def test_without_questions_to_repeat_there_is_none(rigid_body, warm_sandbox, beside):
     source = "def box_moments(m, a, b, c):\n    return m / 12 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])\n"
     grade(Submission(source), rigid_body, warm_sandbox, 5, ["1"])
-    assert beside.submitted == 0
+    assert not beside.submitted

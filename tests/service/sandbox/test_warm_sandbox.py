@@ -13,9 +13,11 @@ from exercises.assignment import ArraySpec
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.job import Cell, Job, Kept, SceneRequest
-from service.sandbox.result import Cancelled
+from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 from service.sandbox.zygote import Zygote
+from tests.service.sandbox.test_sandbox import zygote_pid
+from tests.support.machines import children
 
 SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom scipy.integrate import quad"
 PLAYS = """
@@ -71,46 +73,74 @@ def started(monkeypatch):
 
 
 def test_a_play_goes_on_in_the_child_that_has_begun(warm_sandbox, monkeypatch):
-    right, budget, children = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), started(monkeypatch)
+    right, budget, begun = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), started(monkeypatch)
     for count in (1, 2):
         warm_sandbox.begin(right, budget)
         warm_sandbox.begin(right, budget)  # there is one
-        assert warm_sandbox.play(right, budget=budget).finished("one") and len(children) == count
+        assert warm_sandbox.play(right, budget=budget).finished("one") and len(begun) == count
     warm_sandbox.begin(right, budget)
     warm_sandbox.end_begun()
-    assert children[2].answers.closed and warm_sandbox.play(right).finished("one") and len(children) == 4
-    assert warm_sandbox.play(right).finished("one") and len(children) == 5
+    assert begun[2].answers.closed and warm_sandbox.play(right).finished("one") and len(begun) == 4
+    assert warm_sandbox.play(right).finished("one") and len(begun) == 5
 
 
 def test_a_child_that_cannot_play_the_next_job_is_ended(warm_sandbox, monkeypatch, tmp_path):
     (tmp_path / "factor").write_text("3.0")
-    source = "def f():\n    return float(open('factor').read())"
-    others = {
-        "other code": (replace(job("def f():\n    return 3.0"), plays=PLAYS + "# other\n"), 2),
-        "data files": (replace(job(source), data={"factor": tmp_path / "factor"}), 2),
-        "the same code": (job("def f():\n    return 3.0"), 1),
+    right, limits = job("def f():\n    return 3.0"), warm_sandbox.limits
+    other = replace(right, setup=SETUP + "\nimport builtins\nf = getattr(builtins, 'seen', 3.0)\nbuiltins.seen = 4.0")
+    data = replace(job("def f():\n    return float(open('factor').read())"), data={"factor": tmp_path / "factor"})
+    less = TimeLimits(1.0, limits.wall_s)
+    asks = {
+        "the same": (right, limits, 1),
+        "other code": (other, limits, 2),
+        "data": (data, limits, 2),
+        "less time": (right, less, 2),
     }
-    budget, children = TimeBudget(warm_sandbox.limits), started(monkeypatch)
-    for what, (other, count) in others.items():
-        warm_sandbox.begin(job("def f():\n    return 1.0"), budget)
-        assert warm_sandbox.play(other).arrays["one"]["x"] == 3.0 and len(children) == count, what
-        children.clear()
+    for asked in (right, other):  # guests that have kept the code of both
+        assert [warm_sandbox.play(asked).finished("one") for _ in warm_sandbox._guests] == [True, True]
+    begun = started(monkeypatch)
+    for what, (asked, allowed, count) in asks.items():
+        warm_sandbox.begin(right, TimeBudget(limits))
+        assert warm_sandbox.play(asked, budget=TimeBudget(allowed)).arrays["one"]["x"] == 3.0 and len(begun) == count, what
+        assert begun[-1].limit == allowed.cpu_s, what
+        begun.clear()
 
 
-def test_a_guest_that_was_lost_after_a_child_had_begun_is_replaced(warm_sandbox):
+ENDED = {
+    "the guest": lambda guest: os.kill(zygote_pid(guest), signal.SIGKILL),
+    "the child": lambda guest: [os.kill(child, signal.SIGKILL) for child in children(zygote_pid(guest))],
+}
+
+
+@pytest.mark.parametrize("of", ["end_begun", "prepare", "play"])
+@pytest.mark.parametrize("killed", ENDED)
+def test_what_was_lost_after_a_child_had_begun_is_replaced(warm_sandbox, killed, of):
     right, budget = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits)
-    for end in (warm_sandbox.end_begun, warm_sandbox.prepare, lambda: None):
+    warm_sandbox.begin(right, budget)
+    time.sleep(0.2)
+    ENDED[killed](warm_sandbox._guests[0])
+    time.sleep(0.2)
+    if of != "play":
+        getattr(warm_sandbox, of)()
+    assert [warm_sandbox.play(right, budget=budget).finished("one") for _ in range(3)] == [True] * 3
+
+
+def test_a_guest_that_does_not_start_is_replaced(warm_sandbox, monkeypatch):
+    right, budget, guest = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), warm_sandbox._guests[0]
+    guest._end_guest()
+    with monkeypatch.context() as context, pytest.raises(SystemFault):
+        context.setattr(guest, "isolation", replace(guest.isolation, around=("/bin/false",), inside=()))
         warm_sandbox.begin(right, budget)
-        os.killpg(warm_sandbox._guests[0]._zygote._started.process.pid, signal.SIGKILL)
-        end()
-        assert [warm_sandbox.play(right).finished("one") for _ in range(2)] == [True] * 2
+    warm_sandbox.begin(right, budget)
+    assert warm_sandbox.play(right, budget=budget).finished("one")
 
 
 def test_a_grading_leaves_no_child_that_has_begun(warm_sandbox, rigid_body, monkeypatch):
-    children = started(monkeypatch)
-    for source in ("def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I", "import os\nos._exit(0)"):
-        grade(Submission(source), rigid_body, warm_sandbox, 1, ["2"])
-        assert children and all(child.answers.closed for child in children)
+    begun = started(monkeypatch)
+    source = "def euler_eqs(t, w, I):\n    raise ValueError"  # so the second child is not asked anything
+    grade(Submission(source), rigid_body, warm_sandbox, 1, ["2"])
+    assert len(begun) == 2 and all(child.answers.closed for child in begun)
+    assert all(guest._zygote._begun is None for guest in warm_sandbox._guests)
 
 
 def test_scenes_that_draw_are_played_with_matplotlib_at_once(warm_sandbox):

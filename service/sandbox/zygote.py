@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, KEEP, LOAD, LOAD_S, NEEDED, PLAY, PREPARE, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, KEEP, KINDS, LOAD, LOAD_S, NEEDED, PLAY, PREPARE, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job, Kept
@@ -194,6 +194,8 @@ class Zygote:
 
     def _start(self, job: Job, budget: TimeBudget) -> _Child:
         """Ask the zygote to start a child that can play ``job``."""
+        if KINDS in job.plays and "kinds" not in self.imported:
+            self.import_library("kinds")
         if self._keeps:
             self._keep(job)
         if self._exit_is_unread:

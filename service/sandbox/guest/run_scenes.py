@@ -29,6 +29,7 @@ from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
 from .seal import Seal, in_place, names_used, private_modules
 from .wire import CLOCK_FACTOR, FILES, Questions, Writer, forget, kept
+from .zygote import KINDS
 
 Names = dict[str, Any]
 
@@ -37,7 +38,6 @@ REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
 INTEGRATION = "ecp.integration"
 PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", INTEGRATION)
-KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 
 class OutOfTime(BaseException):
@@ -181,7 +181,7 @@ def _play(
 
 def copy_modules() -> None:
     """Make the private copies that each play needs, before the zygote starts children."""
-    for kinds in (False, True):
+    for kinds in (False, True)[: 1 + (KINDS in sys.modules)]:
         integration: Any = _private(kinds).modules[INTEGRATION]
         integration.tableau()  # before a submission can replace it
         if not unused_libraries.lacks("scipy"):
@@ -206,7 +206,7 @@ class _Private(NamedTuple):
 
 @functools.cache
 def _private(kinds: bool) -> _Private:
-    """Make copies for plays, which may use the modules of ``kinds``. The zygote does so for its children.
+    """Make copies for plays, which may use the modules of KINDS. The zygote does so for its children.
 
     The recorder gets the seal's check by the name ``unchanged``.
     """

@@ -8,7 +8,7 @@ with which the host can kill the child, and after the child's exit its wait stat
 descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
 READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
-A zygote that imports SciPy and matplotlib later does so when it receives IMPORT and the name of one, and answers READY. With KEEP,
+A zygote that imports a library of MODULES later does so when it receives IMPORT and the name of one, and answers READY. With KEEP,
 a name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY. With LOAD and the names
 of a kept setup and of kept plays, every child loads these before its job arrives, which has the same; with LOAD alone none does.
 """
@@ -35,13 +35,14 @@ REAPED = struct.Struct("<iid")  # wait status, that of the child with the refere
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
     "ecp.animation_recording",
-    "ecp.kinds",
     "guest.lockdown",
     "guest.reference",
     "guest.run_scenes",
     "hashlib",
 )
+KINDS = "ecp.kinds"  # and its modules
 MODULES = {
+    "kinds": (KINDS,),
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
     "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
 }
@@ -65,7 +66,7 @@ def main(
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
-    gc.disable()  # a collection of so many objects takes 20 ms
+    gc.disable()  # a collection of so many objects takes 20 ms and finds little
     for name in WARM:
         importlib.import_module(name)
     if when == LATER:
@@ -73,7 +74,6 @@ def main(
     else:
         for library in MODULES:
             _import(library)
-    gc.collect()
     gc.freeze()
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths

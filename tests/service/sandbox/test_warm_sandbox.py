@@ -14,6 +14,8 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.job import Cell, Job, Kept, SceneRequest
 from service.sandbox.result import Cancelled, SystemFault
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 from service.sandbox.zygote import Zygote
 from tests.service.sandbox.test_sandbox import zygote_pid
@@ -141,6 +143,23 @@ def test_a_grading_leaves_no_child_that_has_begun(warm_sandbox, rigid_body, monk
     grade(Submission(source), rigid_body, warm_sandbox, 1, ["2"])
     assert len(begun) == 2 and all(child.answers.closed for child in begun)
     assert all(guest._zygote._begun is None for guest in warm_sandbox._guests)
+
+
+@pytest.mark.parametrize("small", [True, False])
+def test_a_guest_imports_the_kinds_of_questions_for_plays_that_use_them(small):
+    """And makes private copies of them, which a submission does not replace."""
+    plays = "from ecp.kinds import agreement\n" + PLAYS.replace(
+        'student["f"]()', "student['f']() * (agreement.__name__ == 'agreement')"
+    )
+    replaces = "import ecp.kinds\necp.kinds.agreement = print\ndef f():\n    return 1.0"
+    guest = Sandbox(choose(), small=small)
+    try:
+        guest.self_test()
+        for _ in range(2):
+            assert guest.play(replace(job(replaces), plays=plays)).arrays["one"]["x"] == 1.0
+            assert guest.play(job("import sys\ndef f():\n    return 1.0")).finished("one")
+    finally:
+        guest.close()
 
 
 def test_scenes_that_draw_are_played_with_matplotlib_at_once(warm_sandbox):

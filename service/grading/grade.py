@@ -3,7 +3,6 @@
 import functools
 import logging
 import platform
-import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
@@ -96,9 +95,8 @@ def _grade(
     scenes = [s for s in assignment.scenes if s.name in needed]
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
     sandbox.begin(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), budget)
-    began = time.monotonic()
-    inputs = {s.name: draw_inputs(s, seed) for s in scenes}
-    budget.extend(time.monotonic() - began)  # this is not the submission's time
+    with budget.paused():
+        inputs = {s.name: draw_inputs(s, seed) for s in scenes}
     job = job_of(submission, assignment, scenes, inputs, seed)
 
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:

@@ -105,7 +105,7 @@ class Sandbox:
             return self._play(job, on_scene, budget or TimeBudget(self.limits))
 
     def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child of the next play, that of ``job`` with other inputs of its scenes, unless another thread plays."""
+        """Start the child of the next play, that of ``job``, whose scenes need no inputs yet, unless another thread plays."""
         with self._unless_playing() as free:
             if free:
                 self.start().begin(job, budget)

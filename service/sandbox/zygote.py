@@ -138,7 +138,7 @@ class Zygote:
                 return self._play(child, unsent, job, budget, Reader(job, result, on_scene))
 
     def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child of the next play, that of ``job`` with other inputs of its scenes, unless the job needs data files or
+        """Start the child of the next play, that of ``job``, whose scenes need no inputs yet, unless the job needs data files or
         reference functions. Raises ZygoteLost.
         """
         self.wait_ready()

@@ -114,7 +114,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
                 os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
-                spare = None  # that of the other one is not a child of the copy
+                spare = _Spare(prepared, code)  # the other one is not a child of the copy
                 control.send(READY + json.dumps(identity()).encode())
             continue
         cpu_s, at_once = PLAY.unpack(play)

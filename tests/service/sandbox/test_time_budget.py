@@ -9,6 +9,7 @@ import time
 import pytest
 
 from ecp.outcome import Ended
+from service.grading import grade as grading
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import session, zygote
@@ -189,3 +190,12 @@ def test_an_assignment_raises_both_limits_and_lowers_none():
     limits = TimeLimits(cpu_s=60.0, wall_s=120.0)
     assert limits.at_least(None) == limits == limits.at_least(10.0)
     assert limits.at_least(100.0) == TimeLimits(cpu_s=100.0, wall_s=100.0 * WALL_PER_CPU)
+
+
+def test_inputs_that_take_long_to_draw_do_not_use_up_the_submissions_time(rigid_body, sandbox, monkeypatch):
+    drawn, limits = grading.draw_inputs, TimeLimits(cpu_s=60.0, wall_s=2.0)
+    slow = iter([2.5])
+    monkeypatch.setattr(grading, "draw_inputs", lambda *asked: time.sleep(next(slow, 0.0)) or drawn(*asked))
+    monkeypatch.setattr(sandbox, "limits", limits)
+    report = grade(Submission("def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"), rigid_body, sandbox, 1, ["2"]).report
+    assert report.passed, report.text()

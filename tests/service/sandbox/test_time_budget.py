@@ -76,7 +76,8 @@ def test_a_process_that_starts_when_no_time_is_left_is_no_fault(sandbox, monkeyp
     budget.charge(cpu_s=0.0, waited_s=0.0, running_s=1.0)
     left = iter([1.0, 0.0])  # at the look before the process starts, and afterwards
     monkeypatch.setattr(budget, "wall_left", lambda: next(left, 0.0))
-    assert sandbox.play(job(GOOD), budget=budget).scene_ends["one"].ended is Ended.TIMED_OUT
+    slow = f"import time\ntime.sleep(1.0)\n{GOOD}"  # else it may have finished at that look
+    assert sandbox.play(job(slow), budget=budget).scene_ends["one"].ended is Ended.TIMED_OUT
 
 
 def test_what_finished_before_the_limit_is_kept(sandbox):

@@ -49,7 +49,7 @@ def _grade(grader: Grader, seed: int) -> float:
     if not graded.report.passed:
         raise RuntimeError(f"{FILE.name} does not pass")
     spent = time.process_time() - began + graded.cpu_s
-    grader.sandbox.prepare()  # as a worker does
+    grader.sandbox.fork_next_child()  # as a worker does
     return spent
 
 

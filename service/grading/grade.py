@@ -75,7 +75,7 @@ def grade(
         try:
             return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
         finally:
-            sandbox.end_begun()
+            sandbox.end_unused_child()
 
 
 def _grade(
@@ -93,11 +93,10 @@ def _grade(
     wanted = {s for e in asked for s in e.scenes()}
     needed = _with_precursors(assignment, with_used(assignment, wanted))
     scenes = [s for s in assignment.scenes if s.name in needed]
-    budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
-    sandbox.begin(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), budget)
-    with budget.paused():
-        inputs = {s.name: draw_inputs(s, seed) for s in scenes}
-    job = job_of(submission, assignment, scenes, inputs, seed)
+    limits = sandbox.limits.at_least(assignment.cpu_s)
+    sandbox.start_child(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), TimeBudget(limits))
+    inputs = {s.name: draw_inputs(s, seed) for s in scenes}
+    job, budget = job_of(submission, assignment, scenes, inputs, seed), TimeBudget(limits)
 
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
         spared = [p for p in job.scenes if may_be_spared(assignment.scene(p.name))]

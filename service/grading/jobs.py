@@ -34,21 +34,18 @@ def job_of(
     inputs: Mapping[str, Inputs] | None = None,
     seed: int = 0,
 ) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` it is one for ``Sandbox.begin``.
+    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` it is one for ``Sandbox.start_child``.
 
     ``seed`` determines at which calls to compare recordings.
     """
-    recorded = {s.name: s.recorded for s in scenes if s.recorded and s.recorded.recordings}
-    given = {s.name: {"recorded": _calls(recorded[s.name])} if s.name in recorded else {} for s in scenes}
-    if inputs is not None:
-        samples = {name: _sample(name, one, seed) for name, one in recorded.items()}
-        given = {name: {**inputs[name], **kept, **samples.get(name, {})} for name, kept in given.items()}
+    drawn = None if inputs is None else seed
+    recorded = {s.name: _recorded_inputs(s, s.recorded, drawn) for s in scenes if s.recorded and s.recorded.recordings}
     requests = tuple(
         SceneRequest(
             s.name,
             s.play,
             s.function,
-            given[s.name],
+            {**(inputs[s.name] if inputs is not None else {}), **recorded.get(s.name, {})},
             {**s.returns, **({"recorded": ArraySpec((), alone=True)} if s.name in recorded else {})},
             s.budget_s,
             s.after,
@@ -64,9 +61,12 @@ def job_of(
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
 
 
-def _sample(scene: str, recorded: Recorded, seed: int) -> dict[str, Any]:
-    rng = np.random.default_rng([seed, 4, zlib.crc32(scene.encode())])
-    return {"sample": recorded.sample(recorded.recordings, rng)}
+def _recorded_inputs(scene: Scene, recorded: Recorded, seed: int | None) -> dict[str, Any]:
+    calls = {"recorded": _calls(recorded)}
+    if seed is None:
+        return calls
+    rng = np.random.default_rng([seed, 4, zlib.crc32(scene.name.encode())])
+    return calls | {"sample": recorded.sample(recorded.recordings, rng)}
 
 
 @functools.cache

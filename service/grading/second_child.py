@@ -47,20 +47,21 @@ class SecondChild:
         self.along: Mapping[str, Inputs] = {}
         self._asked = dict[str, tuple[list[str], np.ndarray]]()  # by scene: motions along which points were added, and the order
         self._again: list[SceneRequest] = []
-        self._beginning: futures.Future[None] | None = None
+        self._starting: futures.Future[None] | None = None
         self._running: futures.Future[PlayResult] | None = None
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        started: list[futures.Future[Any]] = [one for one in (self._beginning, self._running) if one is not None]
+        started: list[futures.Future[Any]] = [one for one in (self._starting, self._running) if one is not None]
         futures.wait(started)
 
     def start(self, played: PlayedJob, scene: str) -> None:
-        """Start it beside the first child, which begins ``scene``, if the sandbox has a guest for a second one.
+        """Start the second child if the sandbox has a guest for it; the first one begins ``scene``.
 
-        It begins while the first child answers the last question, and gets the submission once that has answered every one.
+        While the first child answers the last question, start the second one without a job. Send the job once every question is
+        answered. If the start fails, the play starts another child.
         """
         asked, beside = self._all(played), self._sandbox.beside
         if self._running is not None or beside is None or not asked:
@@ -68,7 +69,7 @@ class SecondChild:
         left = asked - set(self._questions(played))
         if left == {scene}:
             repeated = tuple(p for p in played.job.scenes if p.name in asked)
-            self._beginning = beside.submit(self._sandbox.begin, replace(played.job, scenes=repeated), played.budget)
+            self._starting = beside.submit(self._sandbox.start_child, replace(played.job, scenes=repeated), played.budget)
         elif not left:
             self._prepare(played)
             self._running = beside.submit(self._play, played, self._again, needed_cells=True)
@@ -78,8 +79,8 @@ class SecondChild:
         result, other = played.result, PlayResult()
         running = self._running if set(self._asked) == set(self._questions(played)) else None
         if running is None:  # not started, or the first child has lost answers since
-            if self._beginning is not None:
-                futures.wait([self._beginning])
+            if self._starting is not None:
+                futures.wait([self._starting])
             self._prepare(played)
 
         def parts(name: str, second: Arrays) -> list[Arrays]:

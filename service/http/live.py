@@ -56,7 +56,7 @@ class Listener:
     ) -> AsyncIterator[None]:
         """Yield immediately, after each change of the submission, and at least every ``every`` seconds; end after ``seconds``.
 
-        Without ``progress``, the progress of its grading is no change.
+        If ``progress`` is false, ignore notifications of progress.
         """
         loop, event = asyncio.get_running_loop(), asyncio.Event()
         until = loop.time() + seconds

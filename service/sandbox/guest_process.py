@@ -16,7 +16,7 @@ class GuestProcess:
     """A zygote's ``process``, started by ``command``, which gets the number of its end of ``control`` as last argument.
 
     It starts in the folder ``data`` of its own and writes to the file ``log``. Without ``libraries`` it starts sooner
-    and imports one of MODULES when a submission uses it.
+    and imports one of MODULES when a job needs it.
     """
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str], *, libraries: bool = True) -> None:

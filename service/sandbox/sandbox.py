@@ -2,9 +2,8 @@
 
 import logging
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor
-from contextlib import contextmanager
 
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
@@ -42,7 +41,7 @@ class Sandbox:
         self.zygotes = 0  # started so far
         self.self_tested = False
         self.identity: Identity | None = None  # what the guest of the self-test reported
-        self.keeps = False  # whether a guest gets what several jobs have in common only once
+        self.keeps = False  # whether a guest gets what jobs have in common only once, and forks the next child when asked to
         self._turn = threading.Lock()
         self.beside: Executor | None = None  # for a play beside another one, if there are guests for both
         self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
@@ -104,38 +103,32 @@ class Sandbox:
         with self._turn:
             return self._play(job, on_scene, budget or TimeBudget(self.limits))
 
-    def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child of the next play, that of ``job``, whose scenes need no inputs yet, unless another thread plays."""
-        with self._unless_playing() as free:
-            if free:
-                self.start().begin(job, budget)
+    def start_child(self, job: Job, budget: TimeBudget) -> None:
+        """Start the child that plays ``job`` next, before its inputs are known. Do nothing while another thread plays."""
+        self._unless_playing(lambda: self.start().start_child(job, budget))
 
-    def end_begun(self) -> None:
-        """End a child that has begun and has no job, unless another thread plays."""
-        with self._unless_playing() as free:
-            if free and self._zygote is not None:
-                self._zygote.end_begun()
+    def end_unused_child(self) -> None:
+        """End a child that was started and has no job. Do nothing while another thread plays."""
+        if self._zygote is not None:
+            self._unless_playing(self._zygote.end_unused_child)
 
-    def prepare(self) -> None:
-        """Let the guest fork the child of the next play in advance, unless another thread plays."""
-        with self._unless_playing() as free:
-            if free and self._zygote is not None:
-                self._zygote.prepare()
+    def fork_next_child(self) -> None:
+        """Let the guest fork the next child in advance. Do nothing while another thread plays."""
+        if self._zygote is not None:
+            self._unless_playing(self._zygote.fork_next_child)
 
-    @contextmanager
-    def _unless_playing(self) -> Iterator[bool]:
-        """Provide whether the guest is free, and keep it so, for the ``with`` block. A guest that is lost there is ended."""
-        free = self._turn.acquire(blocking=False)
+    def _unless_playing(self, action: Callable[[], None]) -> None:
+        """Call ``action`` if no other thread plays. If it fails, end the guest: a play then starts another one."""
+        if not self._turn.acquire(blocking=False):
+            return
         try:
-            yield free
-        except ZygoteLost:
+            action()
+        except BaseException as error:
             self._end_guest()
-        except BaseException:
-            self._end_guest()
-            raise
+            if not isinstance(error, ZygoteLost):
+                raise
         finally:
-            if free:
-                self._turn.release()
+            self._turn.release()
 
     def _play(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
         result = PlayResult()

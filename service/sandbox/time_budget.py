@@ -4,7 +4,6 @@ import contextlib
 import re
 import threading
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,13 +48,6 @@ class TimeBudget:
         """Add elapsed time that the submission has not used."""
         with self._lock:
             self._until += wall_s
-
-    @contextlib.contextmanager
-    def paused(self) -> Iterator[None]:
-        """Extend the wall-clock time by that of the ``with`` block, in which the submission does not run."""
-        began = time.monotonic()
-        yield
-        self.extend(time.monotonic() - began)
 
     def cpu_left(self) -> float:
         """Return the seconds of CPU time that are left."""

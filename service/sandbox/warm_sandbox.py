@@ -42,7 +42,7 @@ class WarmSandbox(Sandbox):
         for guest in self._guests:
             guest.self_test()
         super().self_test()
-        self.prepare()
+        self.fork_next_child()
 
     def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:
         """Play every scene of ``job`` in the next small guest, or in the one with the libraries. See ``Sandbox.play``."""
@@ -56,24 +56,24 @@ class WarmSandbox(Sandbox):
                 self._with_library.append(job.cells)
         return super().play(job, on_scene, budget)
 
-    def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child of the next play in the guest whose turn it is. See ``Sandbox.begin``."""
+    def start_child(self, job: Job, budget: TimeBudget) -> None:
+        """Start the child that plays ``job`` next in the guest whose turn it is. See ``Sandbox.start_child``."""
         if self._is_small(job):
-            self._guests[0].begin(job, budget)
+            self._guests[0].start_child(job, budget)
         else:
-            super().begin(job, budget)
+            super().start_child(job, budget)
 
-    def end_begun(self) -> None:
-        """End children that have begun and have no job."""
+    def end_unused_child(self) -> None:
+        """End children that were started and have no job."""
         for guest in self._guests:
-            guest.end_begun()
-        super().end_begun()
+            guest.end_unused_child()
+        super().end_unused_child()
 
-    def prepare(self) -> None:
-        """Let every guest fork the child of its next play in advance. See ``Sandbox.prepare``."""
+    def fork_next_child(self) -> None:
+        """Let every guest fork its next child in advance. See ``Sandbox.fork_next_child``."""
         for guest in self._guests:
-            guest.prepare()
-        super().prepare()
+            guest.fork_next_child()
+        super().fork_next_child()
 
     def _is_small(self, job: Job) -> bool:
         """Return whether a small guest is tried for a job: it does not draw, and its cells are not known to use a library."""

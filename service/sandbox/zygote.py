@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, KEEP, KINDS, LOAD, LOAD_S, NEEDED, PLAY, PREPARE, READY, REAPED
+from service.sandbox.guest.zygote import FORK, IMPORT, KEEP, KINDS_MODULE, LOAD, LOAD_S, NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job, Kept
@@ -59,7 +59,7 @@ class _Child:
 
 class Zygote:
     """A zygote in the process ``started``. Children can read its folder, which holds the job's data files during a play.
-    If it ``keeps`` parts of jobs, it gets each of them once.
+    If it ``keeps`` parts of jobs, it gets each of them once, and forks its next child only on ``fork_next_child``.
 
     Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
@@ -71,7 +71,7 @@ class Zygote:
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
         self._exit_is_unread = False  # the message that the last child has exited has not been read
-        self._begun: _Child | None = None  # a child that waits for its job
+        self._started_child: _Child | None = None  # a child that waits for its job
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
         """Return a copy, which ends with this one. All share one folder of data files, so only one of them may play with any.
@@ -80,7 +80,13 @@ class Zygote:
         """
         other = copy.copy(self)
         other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        other._identity, other._is_copy, other._cancelled, other._exit_is_unread, other._begun = None, True, cancelled, False, None
+        other._identity, other._is_copy, other._cancelled, other._exit_is_unread, other._started_child = (
+            None,
+            True,
+            cancelled,
+            False,
+            None,
+        )
         with theirs:
             socket.send_fds(self._control, [b"copy"], [theirs.fileno()])
         return other
@@ -123,35 +129,37 @@ class Zygote:
         ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
-        if self._begun is not None and not self._can_play(self._begun, job, budget):
-            self.end_begun()
-        begun, self._begun = self._begun, None
+        if self._started_child is not None and not self._can_play(self._started_child, job, budget):
+            self.end_unused_child()
+        started, self._started_child = self._started_child, None
         with self._data_files(job) if job.data else contextlib.nullcontext():
-            child = begun or self._start(job, budget)
+            child = started or self._start(job, budget)
             with contextlib.closing(child):
                 try:
                     unsent = _write_first(child.questions, job.encode(kept=self._keeps))
                 except BrokenPipeError as error:
-                    if begun:
+                    if started:
                         raise ZygoteLost("the child has ended before its play") from error
                     unsent = memoryview(b"")  # its exit and its output say why
                 return self._play(child, unsent, job, budget, Reader(job, result, on_scene))
 
-    def begin(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child of the next play, that of ``job``, whose scenes need no inputs yet, unless the job needs data files or
-        reference functions. Raises ZygoteLost.
+    def start_child(self, job: Job, budget: TimeBudget) -> None:
+        """Start the child that plays ``job`` next, before its inputs are known. Raises ZygoteLost.
+
+        Do nothing if one has started, or if the job has data files or reference functions.
         """
         self.wait_ready()
-        if not (self._begun or job.data or job.reference):
-            self._begun = self._start(job, budget)
+        if not (self._started_child or job.data or job.reference):
+            self._started_child = self._start(job, budget)
 
-    def _can_play(self, begun: _Child, job: Job, budget: TimeBudget) -> bool:
+    def _can_play(self, child: _Child, job: Job, budget: TimeBudget) -> bool:
+        """Return whether the child that has started has the job's code and the limit of CPU time of the budget."""
         loaded = not self._keeps or (self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code])
-        return loaded and begun.limit == _limit(budget) and not (job.data or job.reference)
+        return loaded and child.limit == _limit(budget) and not (job.data or job.reference)
 
-    def end_begun(self) -> None:
-        """End a child that has begun and has no job. Raises ZygoteLost."""
-        child, self._begun = self._begun, None
+    def end_unused_child(self) -> None:
+        """End a child that was started and has no job. Raises ZygoteLost."""
+        child, self._started_child = self._started_child, None
         if child is None:
             return
         with contextlib.closing(child):
@@ -161,10 +169,13 @@ class Zygote:
         _close(*pidfds)
         self._exit_is_unread = True
 
-    def prepare(self) -> None:
+    def fork_next_child(self) -> None:
         """Let the zygote fork the next child in advance. Raises ZygoteLost."""
+        self._send(FORK)
+
+    def _send(self, message: bytes, *fds: int) -> None:
         try:
-            self._control.send(PREPARE)
+            socket.send_fds(self._control, [message], fds)
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
 
@@ -185,16 +196,13 @@ class Zygote:
         """Send a message and wait until the zygote has done what it says. Raises ZygoteLost."""
         if self._exit_is_unread:
             self._read_exit()
-        try:
-            socket.send_fds(self._control, [message], fds)
-        except OSError as error:
-            raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
+        self._send(message, *fds)
         if self._message() != READY:
             raise ZygoteLost("the sandbox process stopped between two plays")
 
     def _start(self, job: Job, budget: TimeBudget) -> _Child:
         """Ask the zygote to start a child that can play ``job``."""
-        if KINDS in job.plays and "kinds" not in self.imported:
+        if KINDS_MODULE in job.plays and "kinds" not in self.imported:
             self.import_library("kinds")
         if self._keeps:
             self._keep(job)
@@ -204,10 +212,10 @@ class Zygote:
         child = _Child(_limit(budget))
         try:
             # a guest that stays forks its next child after the grading, which may need the processors now
-            socket.send_fds(self._control, [PLAY.pack(child.limit, not self._keeps)], [*child.theirs, *reference])
-        except OSError as error:
+            self._send(PLAY.pack(child.limit, not self._keeps), *child.theirs, *reference)
+        except ZygoteLost:
             child.close()
-            raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
+            raise
         finally:
             _close(*child.theirs, *reference)
         return child
@@ -283,11 +291,11 @@ class Zygote:
     def kill(self) -> None:
         """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s.
 
-        A copy ends when its socket is shut down, as it has no children then, except one that has begun.
+        A copy ends when its socket is shut down. A child without a job exits when its pipes are closed.
         """
-        if self._begun is not None:
-            self._begun.close()  # that child then reads the end of its job, and exits
-            self._begun = None
+        if self._started_child is not None:
+            self._started_child.close()
+            self._started_child = None
         if self._is_copy:
             with contextlib.suppress(OSError):
                 self._control.shutdown(socket.SHUT_RDWR)

@@ -165,7 +165,7 @@ class Worker:
             heartbeats.cancel()
             cancelled.clear()
             self._claimed = None
-            self._grader.sandbox.prepare()  # only now, as it takes processor time
+            self._grader.sandbox.fork_next_child()  # only now, as it takes processor time
 
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
@@ -175,7 +175,7 @@ class Worker:
             artefacts = await self._measure(job, number)
             await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
             assert self._grader is not None
-            self._grader.sandbox.prepare()
+            self._grader.sandbox.fork_next_child()
         await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
 
     async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:

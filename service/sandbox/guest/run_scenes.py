@@ -29,7 +29,7 @@ from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
 from .seal import Seal, in_place, names_used, private_modules
 from .wire import CLOCK_FACTOR, FILES, Questions, Writer, forget, kept
-from .zygote import KINDS
+from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
 
@@ -181,7 +181,7 @@ def _play(
 
 def copy_modules() -> None:
     """Make the private copies that each play needs, before the zygote starts children."""
-    for kinds in (False, True)[: 1 + (KINDS in sys.modules)]:
+    for kinds in {False, KINDS_MODULE in sys.modules}:
         integration: Any = _private(kinds).modules[INTEGRATION]
         integration.tableau()  # before a submission can replace it
         if not unused_libraries.lacks("scipy"):
@@ -206,11 +206,11 @@ class _Private(NamedTuple):
 
 @functools.cache
 def _private(kinds: bool) -> _Private:
-    """Make copies for plays, which may use the modules of KINDS. The zygote does so for its children.
+    """Make copies for plays, which may use the modules of KINDS_MODULE. The zygote does so for its children.
 
     The recorder gets the seal's check by the name ``unchanged``.
     """
-    names = (*PRIVATE, *(sorted(name for name in sys.modules if name.startswith(KINDS)) if kinds else ()))
+    names = (*PRIVATE, *(sorted(name for name in sys.modules if name.startswith(KINDS_MODULE)) if kinds else ()))
     own, seal = types.ModuleType("numpy"), Seal()
     own.__dict__.update(vars(np))
     with private_modules(names) as modules:
@@ -229,7 +229,7 @@ def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], 
 
     plays.py gets its own numpy and kit modules.
     """
-    private, plays = _private(KINDS in source), Names(__name__="plays")
+    private, plays = _private(KINDS_MODULE in source), Names(__name__="plays")
     with in_place(private.modules):
         exec(code, plays)
     plays["np"] = private.numpy

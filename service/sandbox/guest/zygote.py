@@ -1,7 +1,7 @@
 """The zygote: a warm process that imports the libraries once and forks a child for each play.
 
 It reads no submission and has no secret. It forks the child of the next play in advance (``_Spare``), which waits for its files:
-on PREPARE, or when a play begins if the host says so.
+when it starts, on FORK, or when a play begins if the host says so.
 
 For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. With a fourth
@@ -40,13 +40,13 @@ WARM = (
     "guest.run_scenes",
     "hashlib",
 )
-KINDS = "ecp.kinds"  # and its modules
+KINDS_MODULE = "ecp.kinds"
 MODULES = {
-    "kinds": (KINDS,),
+    "kinds": (KINDS_MODULE,),
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
     "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
 }
-IMPORT, KEEP, LOAD, PREPARE = b"import ", b"keep ", b"load ", b"prepare"
+IMPORT, KEEP, LOAD, FORK = b"import ", b"keep ", b"load ", b"fork"
 LOAD_S = 2  # for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within the play
 LATER = "libraries-later"
 
@@ -94,7 +94,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
     spare: _Spare | None = _Spare(prepared)
     while True:
         play, fds, _, _ = socket.recv_fds(control, 256, 4)
-        if play == PREPARE:
+        if play == FORK:
             spare = spare or _Spare(prepared, code)
             continue
         if play.startswith((IMPORT, KEEP, LOAD)):
@@ -125,7 +125,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
             children.append(_fork(prepared, fds[3], calls[0], cpu_s))
         waiting = spare or _Spare(prepared)
         children.insert(0, waiting.start(cpu_s, [*theirs, *calls[1:]]))
-        code = spare.code if spare else code
+        code = spare.code if spare else code  # none if the spare could not load it
         for fd in (*fds, *calls):
             os.close(fd)
         handles = [os.pidfd_open(child) for child in children]

@@ -19,7 +19,7 @@ from service.store.postgres.cluster import REMEDY, Cluster
 from service.store.postgres.os_user import DatabaseUnavailable, as_server, own
 
 USER = DATABASE = "polhode"
-NEW = "postgres.new"  # begins the name of the folder of a cluster that is not complete yet
+UNFINISHED = "postgres.new"  # prefix of the names of folders of incomplete clusters
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
 # A comma separates socket folders; other characters would need escapes in the address.
 PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)
@@ -201,7 +201,7 @@ class EmbeddedPostgres:
         """Remove the folders of clusters that a killed polhode has not completed, and end the servers that run in them."""
         final = self._cluster
         try:
-            for folder in [*self._log.parent.glob(f"{NEW}*")]:
+            for folder in [*self._log.parent.glob(f"{UNFINISHED}*")]:
                 self._cluster = Cluster(folder)
                 self._end_orphan()
                 shutil.rmtree(folder, ignore_errors=True)
@@ -213,7 +213,7 @@ class EmbeddedPostgres:
 
         Its name is new, because the initdb of a polhode that was killed may still write to its own folder.
         """
-        new = Path(tempfile.mkdtemp(prefix=f"{NEW}-", dir=self._log.parent))
+        new = Path(tempfile.mkdtemp(prefix=f"{UNFINISHED}-", dir=self._log.parent))
         own(new)
         command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
         options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]

@@ -69,25 +69,27 @@ def test_the_report_is_the_same(source, rigid_body, sandbox, warm_sandbox, besid
 
 
 def test_it_starts_while_the_first_child_plays(rigid_body, warm_sandbox, beside):
-    assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed and beside.submitted == ["begin", "_play"]
+    assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed and beside.submitted == [
+        "start_child",
+        "_play",
+    ]
 
 
 def test_it_does_not_play_before_the_first_child_has_answered(rigid_body, warm_sandbox, beside):
     grade(Submission(SOURCES["crashes at once"]), rigid_body, warm_sandbox, 5, ["2"])
-    assert beside.submitted == ["begin"]
+    assert beside.submitted == ["start_child"]
 
 
-def test_a_guest_that_is_slow_to_begin_does_not_hold_up_the_first_child(rigid_body, warm_sandbox, beside, monkeypatch):
-    """Who would block in a pipe that nobody reads, until its time is over."""
-    begin, waits = warm_sandbox.begin, []
+def test_a_guest_that_is_slow_to_start_a_child_does_not_hold_up_the_first_child(rigid_body, warm_sandbox, beside, monkeypatch):
+    """The first child would block on a full pipe until its time is over."""
+    start, waits = warm_sandbox.start_child, []
 
     def slow(*rest):
         if threading.current_thread() is not threading.main_thread():
             waits.append(time.sleep(1.0))
-        begin(*rest)
+        start(*rest)
 
-    slow.__name__ = "begin"
-    monkeypatch.setattr(warm_sandbox, "begin", slow)
+    monkeypatch.setattr(warm_sandbox, "start_child", slow)
     played = []
     grade(
         Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"], on_progress=lambda *step: played.append((step[0], time.monotonic()))
@@ -96,15 +98,15 @@ def test_a_guest_that_is_slow_to_begin_does_not_hold_up_the_first_child(rigid_bo
     assert waits and phase == "judging" and judging - first < 0.9
 
 
-def test_a_second_child_whose_begin_fails_plays_all_the_same(rigid_body, warm_sandbox, beside, monkeypatch):
-    begin = warm_sandbox.begin
+def test_a_second_child_whose_start_fails_plays_all_the_same(rigid_body, warm_sandbox, beside, monkeypatch):
+    start = warm_sandbox.start_child
 
     def failing(*rest):
         if threading.current_thread() is not threading.main_thread():
             raise SystemFault("the sandbox did not start")
-        begin(*rest)
+        start(*rest)
 
-    monkeypatch.setattr(warm_sandbox, "begin", failing)
+    monkeypatch.setattr(warm_sandbox, "start_child", failing)
     assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed
 
 
@@ -125,7 +127,7 @@ def test_a_grading_waits_for_a_second_child_whose_answers_it_does_not_use(rigid_
         "right = euler_eqs\ndef euler_eqs(t, w, I):\n    if len(calls) == 100: time.sleep(1.0)\n    return right(t, w, I)\n"
     )
     grade(Submission(source), rigid_body, warm_sandbox, 5, ["2"])
-    assert beside.submitted == ["begin", "_play"] and not any(guest._turn.locked() for guest in warm_sandbox._guests)
+    assert beside.submitted == ["start_child", "_play"] and not any(guest._turn.locked() for guest in warm_sandbox._guests)
 
 
 def test_without_questions_to_repeat_there_is_none(rigid_body, warm_sandbox, beside):

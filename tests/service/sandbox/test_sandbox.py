@@ -349,12 +349,12 @@ def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_s
 @BY_THE_HOST
 def test_a_child_forked_in_advance_that_was_killed_is_replaced(either_sandbox):
     either_sandbox.play(job(GOOD))
-    either_sandbox.prepare()
+    either_sandbox.fork_next_child()
     zygote = zygote_pid(either_sandbox)
     spare = only_child(zygote)
     os.kill(spare, signal.SIGKILL)
     assert either_sandbox.play(job(GOOD)).finished("one") and zygote_pid(either_sandbox) == zygote
-    either_sandbox.prepare()
+    either_sandbox.fork_next_child()
     assert only_child(zygote) != spare
 
 

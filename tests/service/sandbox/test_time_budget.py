@@ -63,7 +63,6 @@ def test_processes_that_sleep_share_one_deadline(either_sandbox, stall):
     assert following.finished("one"), f"the next submission has a budget of its own: {following.scene_ends} {following.cells}"
 
 
-@pytest.mark.slow
 @BY_THE_HOST
 def test_processes_that_compute_share_one_limit_of_CPU_time(either_sandbox):
     seen = play(either_sandbox, f"{IGNORE_SIGNALS}\ndef f(x):\n    while True: pass", cpu_s=0.5)

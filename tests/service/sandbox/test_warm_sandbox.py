@@ -19,7 +19,7 @@ from service.sandbox.select import choose
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 from service.sandbox.zygote import Zygote
 from tests.service.sandbox.test_sandbox import zygote_pid
-from tests.support.machines import children
+from tests.support import machines
 
 SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom scipy.integrate import quad"
 PLAYS = """
@@ -62,7 +62,7 @@ def test_a_submission_that_uses_a_library_is_played_with_it_from_then_on(warm_sa
     assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one") and plays(warm_sandbox)[1] == own + 1
 
 
-def started(monkeypatch):
+def started_children(monkeypatch):
     """The children that zygotes are asked to start from now on."""
     start, found = Zygote._start, []
 
@@ -74,19 +74,19 @@ def started(monkeypatch):
     return found
 
 
-def test_a_play_goes_on_in_the_child_that_has_begun(warm_sandbox, monkeypatch):
-    right, budget, begun = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), started(monkeypatch)
+def test_a_job_is_played_in_the_child_that_was_started_for_it(warm_sandbox, monkeypatch):
+    right, budget, children = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), started_children(monkeypatch)
     for count in (1, 2):
-        warm_sandbox.begin(right, budget)
-        warm_sandbox.begin(right, budget)  # there is one
-        assert warm_sandbox.play(right, budget=budget).finished("one") and len(begun) == count
-    warm_sandbox.begin(right, budget)
-    warm_sandbox.end_begun()
-    assert begun[2].answers.closed and warm_sandbox.play(right).finished("one") and len(begun) == 4
-    assert warm_sandbox.play(right).finished("one") and len(begun) == 5
+        warm_sandbox.start_child(right, budget)
+        warm_sandbox.start_child(right, budget)  # there is one
+        assert warm_sandbox.play(right, budget=budget).finished("one") and len(children) == count
+    warm_sandbox.start_child(right, budget)
+    warm_sandbox.end_unused_child()
+    assert children[2].answers.closed and warm_sandbox.play(right).finished("one") and len(children) == 4
+    assert warm_sandbox.play(right).finished("one") and len(children) == 5
 
 
-def test_a_child_that_cannot_play_the_next_job_is_ended(warm_sandbox, monkeypatch, tmp_path):
+def test_a_job_that_the_started_child_cannot_play_gets_another_child(warm_sandbox, monkeypatch, tmp_path):
     (tmp_path / "factor").write_text("3.0")
     right, limits = job("def f():\n    return 3.0"), warm_sandbox.limits
     other = replace(right, setup=SETUP + "\nimport builtins\nf = getattr(builtins, 'seen', 3.0)\nbuiltins.seen = 4.0")
@@ -100,30 +100,30 @@ def test_a_child_that_cannot_play_the_next_job_is_ended(warm_sandbox, monkeypatc
     }
     for asked in (right, other):  # guests that have kept the code of both
         assert [warm_sandbox.play(asked).finished("one") for _ in warm_sandbox._guests] == [True, True]
-    begun = started(monkeypatch)
+    children = started_children(monkeypatch)
     for what, (asked, allowed, count) in asks.items():
-        warm_sandbox.begin(right, TimeBudget(limits))
-        assert warm_sandbox.play(asked, budget=TimeBudget(allowed)).arrays["one"]["x"] == 3.0 and len(begun) == count, what
-        assert begun[-1].limit == allowed.cpu_s, what
-        begun.clear()
+        warm_sandbox.start_child(right, TimeBudget(limits))
+        assert warm_sandbox.play(asked, budget=TimeBudget(allowed)).arrays["one"]["x"] == 3.0 and len(children) == count, what
+        assert children[-1].limit == allowed.cpu_s, what
+        children.clear()
 
 
-ENDED = {
+KILLS = {
     "the guest": lambda guest: os.kill(zygote_pid(guest), signal.SIGKILL),
-    "the child": lambda guest: [os.kill(child, signal.SIGKILL) for child in children(zygote_pid(guest))],
+    "the child": lambda guest: [os.kill(child, signal.SIGKILL) for child in machines.children(zygote_pid(guest))],
 }
 
 
-@pytest.mark.parametrize("of", ["end_begun", "prepare", "play"])
-@pytest.mark.parametrize("killed", ENDED)
-def test_what_was_lost_after_a_child_had_begun_is_replaced(warm_sandbox, killed, of):
+@pytest.mark.parametrize("then", ["end_unused_child", "fork_next_child", "play"])
+@pytest.mark.parametrize("killed", KILLS)
+def test_what_was_lost_after_a_child_had_started_is_replaced(warm_sandbox, killed, then):
     right, budget = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits)
-    warm_sandbox.begin(right, budget)
+    warm_sandbox.start_child(right, budget)
     time.sleep(0.2)
-    ENDED[killed](warm_sandbox._guests[0])
+    KILLS[killed](warm_sandbox._guests[0])
     time.sleep(0.2)
-    if of != "play":
-        getattr(warm_sandbox, of)()
+    if then != "play":
+        getattr(warm_sandbox, then)()
     assert [warm_sandbox.play(right, budget=budget).finished("one") for _ in range(3)] == [True] * 3
 
 
@@ -132,22 +132,21 @@ def test_a_guest_that_does_not_start_is_replaced(warm_sandbox, monkeypatch):
     guest._end_guest()
     with monkeypatch.context() as context, pytest.raises(SystemFault):
         context.setattr(guest, "isolation", replace(guest.isolation, around=("/bin/false",), inside=()))
-        warm_sandbox.begin(right, budget)
-    warm_sandbox.begin(right, budget)
+        warm_sandbox.start_child(right, budget)
+    warm_sandbox.start_child(right, budget)
     assert warm_sandbox.play(right, budget=budget).finished("one")
 
 
-def test_a_grading_leaves_no_child_that_has_begun(warm_sandbox, rigid_body, monkeypatch):
-    begun = started(monkeypatch)
+def test_a_grading_leaves_no_child_without_a_job(warm_sandbox, rigid_body, monkeypatch):
+    children = started_children(monkeypatch)
     source = "def euler_eqs(t, w, I):\n    raise ValueError"  # so the second child is not asked anything
     grade(Submission(source), rigid_body, warm_sandbox, 1, ["2"])
-    assert len(begun) == 2 and all(child.answers.closed for child in begun)
-    assert all(guest._zygote._begun is None for guest in warm_sandbox._guests)
+    assert len(children) == 2 and all(child.answers.closed for child in children)
+    assert all(guest._zygote._started_child is None for guest in warm_sandbox._guests)
 
 
 @pytest.mark.parametrize("small", [True, False])
-def test_a_guest_imports_the_kinds_of_questions_for_plays_that_use_them(small):
-    """And makes private copies of them, which a submission does not replace."""
+def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(small):
     plays = "from ecp.kinds import agreement\n" + PLAYS.replace(
         'student["f"]()', "student['f']() * (agreement.__name__ == 'agreement')"
     )
@@ -305,7 +304,7 @@ def play(sandbox, asked):
     try:
         return sandbox.play(asked)
     finally:
-        sandbox.prepare()
+        sandbox.fork_next_child()
 
 
 def test_the_setup_runs_before_the_job_arrives(warm_sandbox):

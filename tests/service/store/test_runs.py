@@ -99,7 +99,7 @@ def test_content_that_gradings_share_is_sent_and_stored_once(database_url, gradi
     assert run(database_url, lambda d: artefacts.find_arrays(d, grading[0])) == []
 
 
-def test_only_the_result_is_announced_as_more_than_progress(database_url, grading):
+def test_notifications_before_the_result_are_marked_as_progress(database_url, grading):
     with psycopg.connect(database_url, autocommit=True) as listener:
         listener.execute(f"LISTEN {runs.CHANNEL}")
         claimed = claim(database_url, grading[0])

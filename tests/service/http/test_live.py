@@ -1,4 +1,4 @@
-"""Pages that tell news by themselves: one look a second for all of them, an event for each change, an end with the server."""
+"""Pages that update themselves: one query a second for all of them, an event for each change, an end with the server."""
 
 import asyncio
 import itertools
@@ -9,26 +9,26 @@ from service.store.database import Database
 from service.store.runs import PROGRESS
 
 
-def watched(action):
-    """``action(watch, told)`` with a watch whose n-th look gives what it is told, and the number of looks."""
+def run_with_feed(action):
+    """Run ``action`` with a feed, a source whose ``value`` the feed shows and whose ``looks`` counts queries, and a listener."""
 
     async def main():
-        counter, told = itertools.count(1), {"looks": 0, "value": "a"}
+        counter, source = itertools.count(1), {"looks": 0, "value": "a"}
 
         async def look():
-            told["looks"] = next(counter)
+            source["looks"] = next(counter)
             await asyncio.sleep(0.01)
-            return told["value"]
+            return source["value"]
 
         listener = Listener(Database("postgresql://nowhere/", "test", connections=1))
-        watch = ChangeFeed(listener, look, lambda value: value)
-        return await action(watch, told, listener)
+        feed = ChangeFeed(listener, look, lambda value: value)
+        return await action(feed, source, listener)
 
     return asyncio.run(main())
 
 
-async def collect(watch, into, last=None):
-    async for event in watch.events(last):
+async def collect(feed, into, last=None):
+    async for event in feed.events(last):
         into.append((asyncio.get_running_loop().time(), event.id))
 
 
@@ -37,57 +37,57 @@ def test_one_look_at_a_time_for_forty_pages_and_each_is_told_of_each_change(monk
     assert live.EVERY_S == 1.0
     monkeypatch.setattr(live, "EVERY_S", every)
 
-    async def action(watch, told, listener):
+    async def action(feed, source, listener):
         clock, lists = asyncio.get_running_loop().time, [[] for _ in range(40)]
-        began, tasks = clock(), [asyncio.create_task(collect(watch, into)) for into in lists]
+        began, tasks = clock(), [asyncio.create_task(collect(feed, into)) for into in lists]
         while not all(lists):
             await asyncio.sleep(0.01)
         await asyncio.sleep(1.5 * every)
-        told["value"] = "b"
+        source["value"] = "b"
         while not all(len(into) == 2 for into in lists):
             await asyncio.sleep(0.01)
         listener.leave()
         await asyncio.wait_for(asyncio.gather(*tasks), 10)  # all of them end
-        return lists, told["looks"], clock() - began
+        return lists, source["looks"], clock() - began
 
-    lists, looks, took = watched(action)
+    lists, looks, took = run_with_feed(action)
     assert 3 <= looks <= took / (0.9 * every) + 2
     assert all(len(into) == 2 and into[0][1] != into[1][1] for into in lists)
     assert len({tuple(id for _, id in into) for into in lists}) == 1
 
 
 def test_who_comes_back_is_not_told_the_same_twice_and_a_change_of_ours_is_seen_at_once():
-    async def action(watch, told, listener):
+    async def action(feed, source, listener):
         first, again = [], []
-        one = asyncio.create_task(collect(watch, first))
+        one = asyncio.create_task(collect(feed, first))
         await asyncio.sleep(0.2)
-        two = asyncio.create_task(collect(watch, again, first[0][1]))
+        two = asyncio.create_task(collect(feed, again, first[0][1]))
         await asyncio.sleep(0.2)
-        told["value"] = "b"
-        stale, _ = await watch.current(), watch.invalidate()
-        fresh = await watch.current()
+        source["value"] = "b"
+        stale, _ = await feed.current(), feed.invalidate()
+        fresh = await feed.current()
         listener.leave()
         await asyncio.gather(one, two)
         return first, again, stale, fresh
 
-    first, again, stale, fresh = watched(action)
+    first, again, stale, fresh = run_with_feed(action)
     assert (stale, fresh) == ("a", "b") and len(first) == 2 and [id for _, id in again] == [first[1][1]]
 
 
 def test_a_look_that_began_before_a_change_is_not_kept():
-    async def action(watch, told, listener):
-        asked = asyncio.create_task(watch.current())
+    async def action(feed, source, listener):
+        asked = asyncio.create_task(feed.current())
         await asyncio.sleep(0.005)
-        watch.invalidate()
+        feed.invalidate()
         await asked
-        told["value"] = "b"
-        return await watch.current()
+        source["value"] = "b"
+        return await feed.current()
 
-    assert watched(action) == "b"
+    assert run_with_feed(action) == "b"
 
 
 def test_a_request_for_the_result_is_not_woken_by_progress():
-    async def action(watch, told, listener):
+    async def action(feed, source, listener):
         counts = {True: 0, False: 0}
 
         async def wait(progress):
@@ -103,4 +103,4 @@ def test_a_request_for_the_result_is_not_woken_by_progress():
         await asyncio.gather(*tasks)
         return seen
 
-    assert watched(action) == [(1, 1), (2, 1), (3, 2), (3, 2), (3, 2)]
+    assert run_with_feed(action) == [(1, 1), (2, 1), (3, 2), (3, 2), (3, 2)]

@@ -147,16 +147,14 @@ def test_a_grading_leaves_no_child_without_a_job(warm_sandbox, rigid_body, monke
 
 @pytest.mark.parametrize("small", [True, False])
 def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(small):
-    plays = "from ecp.kinds import agreement\n" + PLAYS.replace(
-        'student["f"]()', "student['f']() * (agreement.__name__ == 'agreement')"
-    )
+    plays = "import ecp.kinds as kinds\n" + PLAYS.replace('["f"]()', '["f"]() * (kinds.agreement.__name__ == "agreement")')
     replaces = "import ecp.kinds\necp.kinds.agreement = print\ndef f():\n    return 1.0"
     guest = Sandbox(choose(), small=small)
     try:
         guest.self_test()
         for _ in range(2):
             assert guest.play(replace(job(replaces), plays=plays)).arrays["one"]["x"] == 1.0
-            assert guest.play(job("import sys\ndef f():\n    return 1.0")).finished("one")
+            assert guest.play(job("def f():\n    return 1.0")).finished("one")
     finally:
         guest.close()
 

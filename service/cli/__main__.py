@@ -1,8 +1,8 @@
 """The command-line entry point ``polhode``: one module for each group of commands.
 
-Only the module of the given command is imported. A failing import exits with code 2, because codes 0 and 1 are
-answers: of ``grade``, all checks ✓ or not; of ``mutants``, whether the checks accept exactly the right
-functions. Code 141 means that standard output was closed early.
+Only the module of the given command is imported, and only its arguments are added. A failing import exits with
+code 2, because codes 0 and 1 are answers: of ``grade``, all checks ✓ or not; of ``mutants``, whether the checks
+accept exactly the right functions. Code 141 means that standard output was closed early.
 """
 
 import argparse
@@ -92,10 +92,11 @@ def _parse(argv: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(dest="command", required=True)
-    for name, (module, help) in COMMANDS.items():
-        command = commands.add_parser(name, help=help)
-        if argv[:1] == [name]:
-            getattr(import_module(f"service.cli.{module}"), f"add_{name.replace('-', '_')}")(command)
+    given = argv[0] if argv and argv[0] in COMMANDS else None
+    for name in [given] if given else COMMANDS:
+        command = commands.add_parser(name, help=COMMANDS[name].help)
+        if given:
+            getattr(import_module(f"service.cli.{COMMANDS[name].module}"), f"add_{name.replace('-', '_')}")(command)
     return parser.parse_args(argv)
 
 

@@ -8,7 +8,7 @@ import gc
 import json
 import secrets
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,7 +51,7 @@ def add_grade(parser: argparse.ArgumentParser) -> None:
 def _grade(arguments: argparse.Namespace) -> int:
     settings, files = read_settings(), find_files(arguments.files)
     written = report_options.ReportFiles(arguments, files)
-    with _starting(settings) as sandbox:  # while the modules below and the assignment are imported
+    with _starting(settings) as self_tested:  # while this process imports the modules below
         with _no_collection():
             import_lazily()
             from service.cli.progress import Progress
@@ -59,6 +59,7 @@ def _grade(arguments: argparse.Namespace) -> int:
             from service.grading.result import summary
             from service.grading.submission import KIB, MIB, SizeLimits
 
+            sandbox = self_tested()
             assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
         sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
@@ -67,7 +68,7 @@ def _grade(arguments: argparse.Namespace) -> int:
         folder = _output_dir(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
         with Progress(len(files), escape=report_options.escape(arguments)) as progress:
-            for file in grade_files(asks, wanted, sandbox(), arguments.jobs, progress.update):
+            for file in grade_files(asks, wanted, sandbox.result(), arguments.jobs, progress.update):
                 graded.append(file)
                 if folder:
                     folder.add(file)
@@ -100,42 +101,50 @@ def _no_collection() -> Iterator[None]:
 
 
 @contextmanager
-def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Sandbox"]]:
-    """Start a sandbox of the strongest isolation that this machine supports. Yield a function that waits for its self-test.
+def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Future[Sandbox]"]]:
+    """Start a guest in namespaces, if bubblewrap is installed: it imports its libraries while this process imports its own.
 
-    A guest in namespaces starts before anything else and imports its libraries while this process imports its own and tries
-    whether the machine supports namespaces. If not, that guest is killed, and another one starts.
+    Yield a function that begins the self-test of a sandbox with that guest in a thread. Call it after the imports of modules that
+    the thread needs too: NumPy cannot be imported by two threads at a time.
     """
     from service.sandbox.guest_process import GuestProcess
     from service.sandbox.select import prepare_namespaces
 
     prepared = prepare_namespaces(settings.allow_root_guest)
     first = GuestProcess(prepared.command, prepared.environment, libraries=False) if prepared else None
+    started: Future[Sandbox] | None = None
     with ThreadPoolExecutor(1) as executor:
-        started = executor.submit(_start, settings, prepared, first)
+
+        def self_tested() -> "Future[Sandbox]":
+            nonlocal started
+            started = executor.submit(_self_tested, settings, prepared, first)
+            return started
+
         try:
-            yield started.result
+            yield self_tested
         finally:
-            if started.exception() is None:
+            if started is None and first:
+                first.kill()
+            if started and started.exception() is None:
                 started.result().close()
 
 
-def _start(settings: "Settings | Defaults", prepared: "Isolation | None", first: "GuestProcess | None") -> "Sandbox":
-    from service.sandbox.select import choose
-
-    try:
-        isolation = choose(settings.min_isolation, settings.allow_root_guest, prepared)
-    except BaseException:
-        if first:
-            first.kill()
-        raise
-    if first and isolation is not prepared:
-        first.kill()
-        first = None
+def _self_tested(settings: "Settings | Defaults", prepared: "Isolation | None", first: "GuestProcess | None") -> "Sandbox":
+    """Return a sandbox of the strongest isolation that this machine supports: with the guest ``first``, unless it cannot start."""
+    from service.sandbox.result import SystemFault
     from service.sandbox.sandbox import Sandbox
+    from service.sandbox.select import choose
     from service.sandbox.time_budget import TimeLimits
 
-    sandbox = Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall), first)
+    limits, sandbox = TimeLimits(settings.grading_cpu, settings.grading_wall), None
+    if prepared and first:
+        sandbox = Sandbox(prepared, limits, first)
+        try:
+            sandbox.wait_ready()
+        except SystemFault:  # this machine lacks namespaces, or the guest cannot start at any level
+            sandbox.close()
+            sandbox = None
+    sandbox = sandbox or Sandbox(choose(settings.min_isolation, settings.allow_root_guest), limits)
     try:
         sandbox.self_test()
     except BaseException:

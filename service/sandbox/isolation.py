@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from exercises.packages import SITE_PACKAGES
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     BASE_PREFIX,
@@ -16,7 +17,6 @@ from service.sandbox.guest_files import (
     GUEST,
     INTERPRETER,
     KIT,
-    SITE_PACKAGES,
     STANDARD_LIBRARY,
     packages,
     runtime,

@@ -1,7 +1,6 @@
 """Selection of the isolation level: the strongest one that this machine supports, and never a weaker one than required."""
 
 import os
-import platform
 import subprocess
 from collections.abc import Collection
 
@@ -15,19 +14,18 @@ class IsolationUnavailable(Exception):
     """This machine does not support the required isolation level. The message says what is missing."""
 
 
-def choose(least: Level = "process", allow_root: bool = False, prepared: Isolation | None = None) -> Isolation:
+def choose(least: Level = "process", allow_root: bool = False) -> Isolation:
     """Return the strongest isolation that this machine supports; its guest may stay root only with ``allow_root``.
 
-    ``prepared`` is what ``prepare_namespaces`` has returned; by default it is called now. Raises IsolationUnavailable if the
-    level is below ``least``.
+    Raises IsolationUnavailable if the level is below ``least``.
     """
-    if platform.machine() not in MACHINES:
+    if os.uname().machine not in MACHINES:
         raise IsolationUnavailable(
-            f"polhode has no system call filter for this processor ({platform.machine()}); supported: {', '.join(MACHINES)}"
+            f"polhode has no system call filter for this processor ({os.uname().machine}); supported: {', '.join(MACHINES)}"
         )
     if landlock.version() < 1:
         raise IsolationUnavailable("this kernel has no Landlock; use Linux 5.13 or later and name landlock in the boot option lsm=")
-    isolation, reason = try_namespaces(allow_root, prepared)
+    isolation, reason = try_namespaces(allow_root)
     if isolation is not None:
         return isolation
     if least == "namespaces":
@@ -50,11 +48,11 @@ def prepare_namespaces(allow_root: bool = False) -> Isolation | None:
     return None if program is None else namespace_isolation(program, allow_root=allow_root)
 
 
-def try_namespaces(allow_root: bool = False, prepared: Isolation | None = None) -> tuple[Isolation | None, str]:
-    """Start a process in namespaces, by default those of ``prepare_namespaces``. Return their isolation and "", or None and the
-    reason for the failure.
+def try_namespaces(allow_root: bool = False) -> tuple[Isolation | None, str]:
+    """Start a process in the namespaces of ``prepare_namespaces``. Return their isolation and "", or None and the reason for the
+    failure.
     """
-    isolation = prepared or prepare_namespaces(allow_root)
+    isolation = prepare_namespaces(allow_root)
     if isolation is None:
         return None, "bubblewrap is not installed (apt install bubblewrap)"
     statement = CHANGE_USER if os.geteuid() == 0 and not isolation.stays_root else "pass"

@@ -3,7 +3,6 @@
 import importlib
 import json
 import os
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -12,18 +11,17 @@ from typing import Any
 
 import numpy as np
 
-import ecp
 from ecp import KIT
 from ecp.checks import Arrays
 from ecp.errors import NotebookError
 from ecp.exercise import Exercise
 from ecp.kinds import diagnose, exercise
 from ecp.outcome import Diagnosis
+from ecp.own_modules import MODULES, use_modules
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
 """Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes."""
 FOLDER = Path(__file__).parent / "assignments"
-MODULES = "ecp"  # the folder of an assignment's data files with its own modules
 
 
 class UnknownCourse(NotebookError):
@@ -104,16 +102,6 @@ def connect(server: str | None = None, assignment: str | None = None) -> None:
         data = FOLDER / slug.replace("-", "_") / "data"
         _copy_data(data)
         use_modules(data / MODULES)
-
-
-def use_modules(folder: Path) -> None:
-    """Let ``ecp`` have the modules in ``folder``, if it exists. They replace modules of the kit with the same names."""
-    if not folder.is_dir() or str(folder) in ecp.__path__:
-        return
-    ecp.__path__.insert(0, str(folder))
-    for name in [f"ecp.{path.stem}" for path in folder.glob("*.py")]:
-        if sys.modules.pop(name, None):
-            importlib.import_module(name)
 
 
 def _copy_data(home: Path) -> None:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from email.utils import parsedate_to_datetime
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
@@ -134,6 +133,8 @@ def retry_after(value: str, now: datetime) -> float | None:
     """Return the seconds that ``Retry-After`` asks for, as a number or a date; None if it is neither."""
     if value.strip().isdecimal():
         return float(value)
+    from email.utils import parsedate_to_datetime  # only here, as a guest imports this module too
+
     try:
         return max(0.0, (parsedate_to_datetime(value) - now).total_seconds())
     except (ValueError, TypeError):  # TypeError: a date without a zone

@@ -5,9 +5,8 @@ wrappers around each call, which cost more than most students' functions.
 import functools
 import math
 import operator
-import runpy
 from collections.abc import Callable
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -54,8 +53,10 @@ def tableau() -> Tableau:
     """Return SciPy's coefficients, from their module alone if it is there: importing ``scipy.integrate`` takes 0.3 s."""
     scipy = find_spec("scipy")
     file = Path(str(scipy and scipy.origin)).parent / "integrate/_ivp/dop853_coefficients.py"
-    if file.is_file():
-        A, C, B, E3, E5, D = operator.itemgetter("A", "C", "B", "E3", "E5", "D")(runpy.run_path(str(file)))
+    if file.is_file() and (spec := spec_from_file_location("dop853_coefficients", file)) and spec.loader:
+        coefficients = module_from_spec(spec)
+        spec.loader.exec_module(coefficients)
+        A, C, B, E3, E5, D = operator.attrgetter("A", "C", "B", "E3", "E5", "D")(coefficients)
         return Tableau(A[:MAIN, :MAIN], C[:MAIN], B, E3, E5, A[MAIN + 1 :], C[MAIN + 1 :], D)
     from scipy.integrate import DOP853
 

@@ -10,7 +10,7 @@ from ecp.judge import Verdict
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.guest_files import font_list
+from service.sandbox.guest_files import font_list, packages
 from service.sandbox.isolation import process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -57,6 +57,14 @@ def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_pat
     (tmp_path / "mine.py").write_text(CODE)
     with pytest.raises(SystemFault, match="no-such-package"):
         list(grade_files([GradeRequest(tmp_path / "mine.py")], GradeOptions(lacking, 1), choose()))
+
+
+def test_the_packages_of_a_guest_are_those_that_the_distributions_require():
+    found = packages(EXTRA)
+    assert {"numpy", "numpy.libs", "scipy", "matplotlib", "mpl_toolkits", "PIL", "dateutil", "kiwisolver", "iniconfig"} <= set(
+        found
+    )
+    assert not {"pytest", "psycopg", "fastapi", "..", "__pycache__"} & set(found) and "iniconfig" not in packages()
 
 
 def test_the_font_list_is_that_of_this_matplotlib():

@@ -159,6 +159,18 @@ def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(sm
         guest.close()
 
 
+def test_a_small_guest_imports_only_what_children_need():
+    """Its start is most of the time of grading one file."""
+    unneeded = {"ecp.course", "ecp.exercise", "ecp.kinds", "email", "html", "importlib.resources", "matplotlib.figure"}
+    guest = Sandbox(choose(), small=True)
+    try:
+        guest.self_test()
+        printed = guest.play(job("import sys\nprint(*sys.modules)\ndef f():\n    return 1.0")).stdout.split()
+    finally:
+        guest.close()
+    assert "ecp.integration" in printed and not unneeded.intersection(printed)
+
+
 def test_scenes_that_draw_are_played_with_matplotlib_at_once(warm_sandbox):
     small, own = plays(warm_sandbox)
     result = warm_sandbox.play(job("def f():\n    pass", "draw", frames=ArraySpec((10, 10, 4), "uint8")))

@@ -8,9 +8,10 @@ functions in the same folder.
 import functools
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,6 @@ from exercises import author_notebook, publish
 from exercises.assignment import Assignment, Scene, Sweep
 from exercises.author_notebook import Cell, InvalidNotebook
 from exercises.declared import Draw, Family, Itself, Mistake, Value
-from exercises.mistakes import made_samples, source_before, variants_of
 from exercises.publish import Section
 from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
@@ -211,11 +211,9 @@ class Notebook:
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, self.sections), self.sections)
             ),
-            variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
+            variants=functools.cache(lambda id: _mistakes().variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
-            made_samples=lambda: (
-                made_samples(self._numbered(), folder / self.notebook if self.notebook else None) if self.questions() else ()
-            ),
+            made_samples=lambda: self._made_samples(folder),
             questions={number: asked for number, asked in documents.items() if asked},
             **{name: function for name, function in given.items() if function is not None},
         )
@@ -236,8 +234,18 @@ class Notebook:
     def _numbered(self) -> list[tuple[str, Question]]:
         return [(section.number, question) for section in self.sections for question in section.questions]
 
+    def _made_samples(self, folder: Path) -> Iterable[Any]:
+        notebook = folder / self.notebook if self.notebook else None
+        return _mistakes().made_samples(self._numbered(), notebook) if self.questions() else ()
+
     def _with_source_before(self, id: str) -> tuple[Question, str]:
         """Return the question ``id`` and the source of the right solutions of those before it."""
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
-        return numbered[k][1], source_before(numbered, k)
+        return numbered[k][1], _mistakes().source_before(numbered, k)
+
+
+def _mistakes() -> ModuleType:
+    from exercises import mistakes  # only here: grading a right submission needs none of its modules
+
+    return mistakes

@@ -1,17 +1,12 @@
-"""Grading files without a server, in parallel processes with one sandbox each."""
+"""Grading files without a server, in this process or in several."""
 
 import json
 import logging
-import multiprocessing
 import os
 import re
-import signal
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
 from ecp.outcome import SweepResult
@@ -23,7 +18,6 @@ from service.grading.grader import Grader, SweepFailed
 from service.grading.json_submission import ParsedSubmission, read_json
 from service.grading.result import GradedFile
 from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
-from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -84,20 +78,9 @@ def grade_files(
     if processes <= 1:
         yield from _grade_in_process(requests, options, sandbox, on_progress)
         return
-    others, started = set(multiprocessing.active_children()), multiprocessing.Value("i", 0)
-    shared = not options.assignment.data  # copies of a guest share their data files
-    sandboxes = [sandbox.copy() if shared else Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes)]
-    fork = multiprocessing.get_context("fork")
-    pool = ProcessPoolExecutor(processes, fork, _initialize, (options, sandboxes, started))
-    try:
-        futures = [pool.submit(_grade, request) for request in requests]
-        yield from _in_order(requests, futures, on_progress)
-    finally:
-        for child in set(multiprocessing.active_children()) - others:
-            child.kill()  # it is idle or its work was cancelled; its guest ends with it
-        pool.shutdown(cancel_futures=True)
-        for one in (*sandboxes, sandbox):
-            one.close()
+    from service.grading.parallel import grade_in_processes  # only here: importing multiprocessing takes 3 ms
+
+    yield from grade_in_processes(requests, options, sandbox, processes, on_progress)
 
 
 def _grade_in_process(
@@ -106,59 +89,23 @@ def _grade_in_process(
     sandbox: Sandbox,
     on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
-    grader = _start(sandbox)
+    grader = start_grader(sandbox)
     try:
         for number, request in enumerate(requests, start=1):
-            graded = _grade_file(grader, options, request)
+            graded = grade_file(grader, options, request)
             on_progress(number)
             yield graded
     finally:
         grader.sandbox.close()
 
 
-def _in_order(
-    requests: Sequence[GradeRequest], futures: Sequence["Future[GradedFile]"], on_progress: OnProgress
-) -> Iterator[GradedFile]:
-    done: list[object] = []
-
-    def count(future: object) -> None:
-        done.append(future)
-        on_progress(len(done))
-
-    for future in futures:
-        future.add_done_callback(count)
-    for request, future in zip(requests, futures, strict=True):
-        try:
-            yield future.result()
-        except BrokenProcessPool:
-            yield GradedFile(file=request.file, fault="a grading process was lost (killed, or out of memory)")
-
-
-def _start(sandbox: Sandbox) -> Grader:
+def start_grader(sandbox: Sandbox) -> Grader:
     """Return a grader whose guest starts while the first file is read."""
     sandbox.start()
     return Grader(sandbox)
 
 
-_process: tuple[Grader, GradeOptions] | None = None
-
-
-def _initialize(options: GradeOptions, sandboxes: Sequence[Sandbox], started: "Synchronized[int]") -> None:
-    """Start with one of the ``sandboxes``: that whose number is the number of processes that have ``started`` before."""
-    global _process  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
-    die_with_parent()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
-    with started.get_lock():
-        own, started.value = sandboxes[started.value], started.value + 1
-    _process = _start(own), options
-
-
-def _grade(request: GradeRequest) -> GradedFile:
-    assert _process is not None
-    return _grade_file(*_process, request)
-
-
-def _grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> GradedFile:
+def grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> GradedFile:
     """Grade one file.
 
     Raises OSError if it cannot be read. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be

@@ -195,7 +195,14 @@ def test_polhode_grade_reports_no_verdict(folder, polhode):
 
 
 @pytest.mark.parametrize(
-    "text", ["from .public.setting import LENGTH", "from exercises.doubling import draw", "import service.settings"]
+    "text",
+    [
+        "from .public.setting import LENGTH",
+        "from .import public",
+        "from \\\n    . import public",
+        "from exercises.doubling import draw",
+        "import service.settings",
+    ],
 )
 def test_plays_that_import_what_the_guest_does_not_have_are_an_error_of_the_declaration(folder, text):
     change(folder / "plays.py", "import numpy as np\n", f"import numpy as np\n{text}\n")

@@ -1,0 +1,77 @@
+"""Grade files in several processes, with one sandbox each."""
+
+import multiprocessing
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.sharedctypes import Synchronized
+
+from service.grading.batch import GradeOptions, GradeRequest, OnProgress, grade_file, start_grader
+from service.grading.grader import Grader
+from service.grading.result import GradedFile
+from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.sandbox import Sandbox
+
+
+def grade_in_processes(
+    requests: Sequence[GradeRequest],
+    options: GradeOptions,
+    sandbox: Sandbox,
+    processes: int,
+    on_progress: OnProgress,
+) -> Iterator[GradedFile]:
+    """Grade files in ``processes``, with copies of the ``sandbox``, and yield one result per file, in input order. Close them all.
+
+    A lost process is the system fault of all files that are not graded yet.
+    """
+    others, started = set(multiprocessing.active_children()), multiprocessing.Value("i", 0)
+    shared = not options.assignment.data  # copies of a guest share their data files
+    sandboxes = [sandbox.copy() if shared else Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes)]
+    fork = multiprocessing.get_context("fork")
+    pool = ProcessPoolExecutor(processes, fork, _initialize, (options, sandboxes, started))
+    try:
+        futures = [pool.submit(_grade, request) for request in requests]
+        yield from _in_order(requests, futures, on_progress)
+    finally:
+        for child in set(multiprocessing.active_children()) - others:
+            child.kill()  # it is idle or its work was cancelled; its guest ends with it
+        pool.shutdown(cancel_futures=True)
+        for one in (*sandboxes, sandbox):
+            one.close()
+
+
+def _in_order(
+    requests: Sequence[GradeRequest], futures: Sequence["Future[GradedFile]"], on_progress: OnProgress
+) -> Iterator[GradedFile]:
+    done: list[object] = []
+
+    def count(future: object) -> None:
+        done.append(future)
+        on_progress(len(done))
+
+    for future in futures:
+        future.add_done_callback(count)
+    for request, future in zip(requests, futures, strict=True):
+        try:
+            yield future.result()
+        except BrokenProcessPool:
+            yield GradedFile(file=request.file, fault="a grading process was lost (killed, or out of memory)")
+
+
+_process: tuple[Grader, GradeOptions] | None = None
+
+
+def _initialize(options: GradeOptions, sandboxes: Sequence[Sandbox], started: "Synchronized[int]") -> None:
+    """Start with one of the ``sandboxes``: that whose number is the number of processes that have ``started`` before."""
+    global _process  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
+    die_with_parent()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
+    with started.get_lock():
+        own, started.value = sandboxes[started.value], started.value + 1
+    _process = start_grader(own), options
+
+
+def _grade(request: GradeRequest) -> GradedFile:
+    assert _process is not None
+    return grade_file(*_process, request)

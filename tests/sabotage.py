@@ -1,8 +1,8 @@
-"""Measure how strong the tests of ``make test`` are: break the product on purpose, one line at a time, and see which test fails.
+"""Measure how strong the tests are: break the product on purpose, one line at a time, and see which test fails.
 
 Run ``python -m tests.sabotage [NAME…] [--jobs N] [--list]``, or ``make sabotage``. Each job works on its own copy of the files that
-git tracks or would track. A breakage is caught if pytest exits with 1 when it runs the tests that the breakage names. If these
-tests pass, the whole selection of ``make test`` runs in the copy, and the breakage counts as caught by other tests or not at all.
+git tracks or would track. A breakage is caught if pytest exits with 1 when it runs the tests that the breakage names: functions,
+which may be slow, or the fast tests of whole files. If these tests pass, the whole selection of ``make test`` runs in the copy, and the breakage counts as caught by other tests or not at all.
 Exit codes: 0 if the named tests caught every breakage, 1 if not, 2 if the list is wrong or its tests fail without a breakage.
 """
 
@@ -26,7 +26,7 @@ from tests.support.breakages import BREAKAGES, Breakage
 
 ROOT = Path(__file__).parents[1]
 SELECTION = "not slow and not exhaustive"
-PYTEST = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-m", SELECTION]  # pyproject.toml has -q already
+PYTEST = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider"]  # pyproject.toml has -q already
 SHARED = ("--numprocesses", "2", "--dist", "loadfile", "--no-loadscope-reorder")  # as make test does
 IMPORTED = ("service", "exercises", "reference", "ecp", "tests.support.breakages")
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -168,14 +168,26 @@ def errors(breakages: Iterable[Breakage]) -> list[str]:
     return found
 
 
+def selection(tests: Sequence[str]) -> str:
+    """Return pytest's expression for named tests: slow ones are among them if all are functions."""
+    return "not exhaustive" if all("::" in test for test in tests) else SELECTION
+
+
 def untouched(copy: Copy, tests: Sequence[str]) -> list[str]:
-    """Why these tests cannot serve: they fail without any breakage, or ``make test`` does not select them."""
-    collected = copy.pytest("--collect-only", *tests)
-    unselected = [test for test in tests if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)]
-    if collected.code != 0 or unselected:
-        return [f"make test does not select {test}" for test in unselected] or [collected.output]
-    run = copy.pytest(*SHARED, *tests, limit_s=WHOLE_LIMIT_S)
-    return [] if run.code == 0 else [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
+    """Why these tests cannot serve: they fail without any breakage, or pytest does not select them."""
+    found = list[str]()
+    for same in ([test for test in tests if "::" in test], [test for test in tests if "::" not in test]):
+        if not same:
+            continue
+        collected = copy.pytest("--collect-only", "-m", selection(same), *same)
+        unselected = [test for test in same if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)]
+        if collected.code != 0 or unselected:
+            found += [f"pytest does not select {test}" for test in unselected] or [collected.output]
+            continue
+        run = copy.pytest(*SHARED, "-m", selection(same), *same, limit_s=WHOLE_LIMIT_S)
+        if run.code != 0:
+            found += [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
+    return found
 
 
 def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:
@@ -186,7 +198,7 @@ def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:
         return Result(one, how, by, time.monotonic() - began)
 
     with copy.broken(one):
-        run = copy.pytest("-x", *one.tests)
+        run = copy.pytest("-x", "-m", selection(one.tests), *one.tests)
         if run.code == 1:
             return result(CAUGHT, ", ".join(run.failed))
         if run.code is None:
@@ -195,7 +207,7 @@ def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:
             return result(ERROR, f"pytest exited with {run.code} ({MEANING.get(run.code, 'unknown')})")
         if not others:
             return result(UNNAMED, "")
-        run = copy.pytest(*SHARED, limit_s=WHOLE_LIMIT_S)
+        run = copy.pytest(*SHARED, "-m", SELECTION, limit_s=WHOLE_LIMIT_S)
         if run.code == 1:
             return result(ELSEWHERE, ", ".join(run.failed[:3]))
         return result(MISSED, "") if run.code == 0 else result(ERROR, f"pytest over everything exited with {run.code}")

@@ -2,8 +2,9 @@
 
 Run ``python -m tests.sabotage [NAME…] [--jobs N] [--list]``, or ``make sabotage``. Each job works on its own copy of the files that
 git tracks or would track. A breakage is caught if pytest exits with 1 when it runs the tests that the breakage names: functions,
-which may be slow, or the fast tests of whole files. If these tests pass, the whole selection of ``make test`` runs in the copy, and the breakage counts as caught by other tests or not at all.
-Exit codes: 0 if the named tests caught every breakage, 1 if not, 2 if the list is wrong or its tests fail without a breakage.
+which may be slow, or the fast tests of whole files. If these tests pass, the whole selection of ``make test`` runs in the copy, and
+the breakage counts as caught by other tests or not at all. Exit codes: 0 if the named tests caught every breakage, 1 if not, 2 if
+the list is wrong or its tests fail without a breakage.
 """
 
 import argparse

@@ -11,8 +11,7 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +27,10 @@ from exercises.publish import Section
 from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
 from exercises.validation_cells import Line, line_errors, published_cells, reported_exercises
+
+if TYPE_CHECKING:
+    from exercises.mistakes import MadeSample
+    from exercises.solution import Variant
 
 __all__ = [
     "Notebook",
@@ -211,7 +214,7 @@ class Notebook:
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, self.sections), self.sections)
             ),
-            variants=functools.cache(lambda id: _mistakes().variants_of(*self._with_source_before(id))),
+            variants=functools.cache(self._variants),
             source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: self._made_samples(folder),
             questions={number: asked for number, asked in documents.items() if asked},
@@ -234,18 +237,23 @@ class Notebook:
     def _numbered(self) -> list[tuple[str, Question]]:
         return [(section.number, question) for section in self.sections for question in section.questions]
 
-    def _made_samples(self, folder: Path) -> Iterable[Any]:
+    # The modules of mistakes are imported when they are needed: grading a right submission needs none of them.
+
+    def _made_samples(self, folder: Path) -> "Iterable[MadeSample]":
+        from exercises.mistakes import made_samples
+
         notebook = folder / self.notebook if self.notebook else None
-        return _mistakes().made_samples(self._numbered(), notebook) if self.questions() else ()
+        return made_samples(self._numbered(), notebook) if self.questions() else ()
+
+    def _variants(self, id: str) -> "list[Variant]":
+        from exercises.mistakes import variants_of
+
+        return variants_of(*self._with_source_before(id))
 
     def _with_source_before(self, id: str) -> tuple[Question, str]:
         """Return the question ``id`` and the source of the right solutions of those before it."""
+        from exercises.mistakes import source_before
+
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
-        return numbered[k][1], _mistakes().source_before(numbered, k)
-
-
-def _mistakes() -> ModuleType:
-    from exercises import mistakes  # only here: grading a right submission needs none of its modules
-
-    return mistakes
+        return numbered[k][1], source_before(numbered, k)

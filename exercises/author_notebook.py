@@ -88,7 +88,7 @@ def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[st
 
     ``parameters`` are those of the solutions that are functions. A function of the notebook must have the same.
     """
-    bound = set[str]().union(*(cell.bound() for cell in cells)) if names else set[str]()
+    bound = {name for cell in cells for name in cell.bound()} if names else set()
     for number, cell in enumerate((cell for cell in cells if cell.kind == "code"), 1):
         if python_of(cell.source) is None and not cell.source.lstrip().startswith("%%"):
             yield f"code cell {number} is not valid Python: {_syntax_error(cell.source)}"

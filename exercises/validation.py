@@ -16,7 +16,7 @@ from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
-ABSENT = re.compile(rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\.[\s\\.\w]*\bimport\b")  # may import one of them, or a neighbour
+ABSENT = re.compile(rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\.")  # where an import of one of them, or of a neighbour, may be
 REPLACEABLE = ("draw",)  # modules of the kit that only notebooks use
 MOST_DATA = 5_000_000  # bytes of a data file
 

@@ -91,9 +91,9 @@ def main(argv: list[str] | None = None) -> int:
 def _parse(argv: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    commands = parser.add_subparsers(dest="command", required=True)
-    given = argv[0] if argv and argv[0] in COMMANDS else None
-    for name in [given] if given else COMMANDS:
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    given = [name for name in argv[:1] if name in COMMANDS]
+    for name in given or COMMANDS:
         command = commands.add_parser(name, help=COMMANDS[name].help)
         if given:
             getattr(import_module(f"service.cli.{COMMANDS[name].module}"), f"add_{name.replace('-', '_')}")(command)

@@ -102,10 +102,10 @@ def _no_collection() -> Iterator[None]:
 
 @contextmanager
 def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Future[Sandbox]"]]:
-    """Start a guest in namespaces, if bubblewrap is installed: it imports its libraries while this process imports its own.
+    """Start a guest in namespaces if bubblewrap is installed: it imports its libraries while this process imports its own.
 
-    Yield a function that begins the self-test of a sandbox with that guest in a thread. Call it after the imports of modules that
-    the thread needs too: NumPy cannot be imported by two threads at a time.
+    Yield a function that begins the self-test of a sandbox with that guest in a thread, and returns the future of the sandbox.
+    Call it only after importing the modules that the thread also needs: two threads cannot import NumPy at once.
     """
     from service.sandbox.guest_process import GuestProcess
     from service.sandbox.select import prepare_namespaces
@@ -136,19 +136,19 @@ def _self_tested(settings: "Settings | Defaults", prepared: "Isolation | None", 
     from service.sandbox.select import choose
     from service.sandbox.time_budget import TimeLimits
 
-    limits, sandbox = TimeLimits(settings.grading_cpu, settings.grading_wall), None
-    if prepared and first:
-        sandbox = Sandbox(prepared, limits, first)
-        try:
-            sandbox.wait_ready()
-        except SystemFault:  # this machine lacks namespaces, or the guest cannot start at any level
-            sandbox.close()
-            sandbox = None
-    sandbox = sandbox or Sandbox(choose(settings.min_isolation, settings.allow_root_guest), limits)
+    limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
+    sandbox = Sandbox(prepared, limits, first) if prepared else None
     try:
+        try:
+            if sandbox:
+                sandbox.wait_ready()
+        except SystemFault:  # this machine lacks namespaces, or the guest cannot start at any level
+            sandbox = None  # its guest has been killed
+        sandbox = sandbox or Sandbox(choose(settings.min_isolation, settings.allow_root_guest), limits)
         sandbox.self_test()
     except BaseException:
-        sandbox.close()
+        if sandbox:
+            sandbox.close()
         raise
     return sandbox
 

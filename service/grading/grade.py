@@ -2,8 +2,10 @@
 
 import functools
 import logging
+import platform
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from importlib import metadata
 
 import numpy as np
 
@@ -33,6 +35,7 @@ OnProgress = Callable[[str, int, int], None]
 """A function called with the phase, the number of the scene in order, and the number of scenes."""
 Causes = Callable[[str], list[Diagnosis]]
 """A function that returns the diagnoses of a scene's results, given its name, or of a question's, given its id."""
+VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
 @functools.cache
 def versions(more: tuple[str, ...] = ()) -> dict[str, str]:
     """Return the versions of Python and of the packages that results depend on, ``more`` of an assignment among them."""
-    return packages.versions(("polhode", *more))
+    return {"python": platform.python_version()} | {name: metadata.version(name) for name in (*VERSIONS_OF, *more)}
 
 
 def _play(

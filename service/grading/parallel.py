@@ -1,4 +1,4 @@
-"""Grade files in several processes, with one sandbox each."""
+"""Grading files in several processes, with one sandbox each."""
 
 import multiprocessing
 import signal
@@ -21,9 +21,10 @@ def grade_in_processes(
     processes: int,
     on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
-    """Grade files in ``processes``, with copies of the ``sandbox``, and yield one result per file, in input order. Close them all.
+    """Grade files in ``processes`` and yield one result per file, in input order. Close the ``sandbox`` and those of the processes,
+    which are copies of it, or new ones if the assignment has data files.
 
-    A lost process is the system fault of all files that are not graded yet.
+    A lost process is a system fault of every file that is not graded yet.
     """
     others, started = set(multiprocessing.active_children()), multiprocessing.Value("i", 0)
     shared = not options.assignment.data  # copies of a guest share their data files

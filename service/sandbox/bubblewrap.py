@@ -9,13 +9,13 @@ import shutil
 from collections.abc import Collection
 from pathlib import Path
 
-from exercises.packages import SITE_PACKAGES
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     DEVICES,
     GUEST,
     KIT,
     OTHERS,
+    SITE_PACKAGES,
     STANDARD_LIBRARY,
     font_list,
     packages,

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from exercises.packages import SITE_PACKAGES
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     BASE_PREFIX,
@@ -17,6 +16,7 @@ from service.sandbox.guest_files import (
     GUEST,
     INTERPRETER,
     KIT,
+    SITE_PACKAGES,
     STANDARD_LIBRARY,
     packages,
     runtime,

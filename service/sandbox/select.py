@@ -1,6 +1,7 @@
 """Selection of the isolation level: the strongest one that this machine supports, and never a weaker one than required."""
 
 import os
+import platform
 import subprocess
 from collections.abc import Collection
 
@@ -19,9 +20,9 @@ def choose(least: Level = "process", allow_root: bool = False) -> Isolation:
 
     Raises IsolationUnavailable if the level is below ``least``.
     """
-    if os.uname().machine not in MACHINES:
+    if platform.machine() not in MACHINES:
         raise IsolationUnavailable(
-            f"polhode has no system call filter for this processor ({os.uname().machine}); supported: {', '.join(MACHINES)}"
+            f"polhode has no system call filter for this processor ({platform.machine()}); supported: {', '.join(MACHINES)}"
         )
     if landlock.version() < 1:
         raise IsolationUnavailable("this kernel has no Landlock; use Linux 5.13 or later and name landlock in the boot option lsm=")

@@ -1,4 +1,4 @@
-"""The assignment's own modules, which its notebook imports from ``ecp``. A guest needs nothing else of ``ecp.course``."""
+"""The assignment's own modules, which its notebook imports from ``ecp``. Apart from ``ecp.course``, which a guest does not need."""
 
 import importlib
 import sys

@@ -5,6 +5,7 @@ Numbers: prctl(2) options from <linux/prctl.h>, the capability header from <linu
 
 import ctypes
 import os
+import platform
 import resource
 import signal
 from collections.abc import Mapping, Sequence
@@ -42,11 +43,11 @@ class Layers:
         self._limits = "limits" in layers
         self._rules = landlock.ruleset(readable, listable) if "landlock" in layers else None
         self._folders = [int(os.path.basename(folder)) for folder in folders]
-        self._machine = MACHINES.get(os.uname().machine)
+        self._machine = MACHINES.get(platform.machine())
         self._filter: bytes | None = None
         if "seccomp" in layers:
             if self._machine is None:
-                raise OSError(f"polhode has no system call filter for this processor ({os.uname().machine})")
+                raise OSError(f"polhode has no system call filter for this processor ({platform.machine()})")
             self._filter = seccomp.program(self._machine)
 
     def apply(self, places: Mapping[int, int], cpu_s: int) -> None:

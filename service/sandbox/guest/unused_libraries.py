@@ -131,7 +131,7 @@ class _Finder:
         if spec is None or (spec.origin is not None and not spec.origin.endswith(".py")):
             _needs(str(library))()
         if spec.origin is not None:  # None: a namespace package
-            spec.loader = _Loader()  # type: ignore[assignment]  # its base class would import importlib.resources too
+            spec.loader = _Loader()  # type: ignore[assignment]  # importlib.abc.Loader would also import importlib.resources
         return spec
 
 

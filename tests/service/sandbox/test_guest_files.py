@@ -59,7 +59,7 @@ def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_pat
         list(grade_files([GradeRequest(tmp_path / "mine.py")], GradeOptions(lacking, 1), choose()))
 
 
-def test_the_packages_of_a_guest_are_those_that_the_distributions_require():
+def test_the_packages_of_a_guest_are_those_that_its_distributions_require():
     found = packages(EXTRA)
     assert {"numpy", "numpy.libs", "scipy", "matplotlib", "mpl_toolkits", "PIL", "dateutil", "kiwisolver", "iniconfig"} <= set(
         found

@@ -11,7 +11,11 @@ import urllib.request
 
 import pytest
 
+from service.cli.grade import _starting
+from service.cli.grading_settings import Defaults
 from service.sandbox import select as choosing
+from service.sandbox.bubblewrap import find_bubblewrap
+from service.sandbox.guest_process import GuestProcess
 from service.sandbox.isolation import LAYERS, process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -33,8 +37,8 @@ def test_without_landlock_or_on_an_unknown_processor_there_is_no_isolation(monke
     monkeypatch.setattr(choosing.landlock, "version", lambda: 0)
     with pytest.raises(IsolationUnavailable, match="Landlock"):
         choose()
-    monkeypatch.setattr(choosing, "MACHINES", {"mips": None})
-    with pytest.raises(IsolationUnavailable, match="supported: mips"):
+    monkeypatch.setattr(choosing.platform, "machine", lambda: "mips")
+    with pytest.raises(IsolationUnavailable, match="mips"):
         choose()
 
 
@@ -65,20 +69,52 @@ def no_bubblewrap(tmp_path):
     return {"PATH": str(tmp_path / "bin"), "PYTHONPATH": str(tmp_path)}
 
 
+def test_grade_starts_one_guest_in_namespaces(tmp_path, rigid_body):
+    (tmp_path / "bwrap").write_text(f'#!/bin/sh\necho started >> {tmp_path}/log\nexec {find_bubblewrap()} "$@"\n')
+    (tmp_path / "bwrap").chmod(0o755)
+    environment = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    graded = subprocess.run(_grade(rigid_body), env=environment, capture_output=True, text=True, check=True)
+    assert _isolation(graded.stdout).startswith("namespaces: ") and (tmp_path / "log").read_text() == "started\n"
+
+
+def test_a_guest_ends_if_polhode_grade_fails_before_its_first_use(monkeypatch):
+    started = []
+
+    class Recorded(GuestProcess):
+        def __init__(self, *arguments, **named):
+            super().__init__(*arguments, **named)
+            started.append(self)
+
+    monkeypatch.setattr("service.sandbox.guest_process.GuestProcess", Recorded)
+    with pytest.raises(LookupError), _starting(Defaults()):
+        raise LookupError
+    (guest,) = started
+    assert guest.process.poll() is not None and not os.path.exists(guest.data.name)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("fails", [False, True])
 def test_grade_without_namespaces_refuses_or_takes_the_next_level(no_bubblewrap, fails, tmp_path, rigid_body):
     """Whether bubblewrap is not there or fails, and so does the guest that has started with it."""
     if fails:
         (tmp_path / "bin" / "bwrap").symlink_to(shutil.which("false"))
-    command = [sys.executable, "-m", "service.cli", "grade", str(rigid_body.folder / "samples/right_terms.py"), "--exercise", "2"]
-    environment = os.environ | no_bubblewrap
+    command, environment = _grade(rigid_body), os.environ | no_bubblewrap
     refused = subprocess.run(
         command, env=environment | {"POLHODE_MIN_ISOLATION": "namespaces"}, capture_output=True, text=True, check=False
     )
     assert refused.returncode == 2 and "POLHODE_MIN_ISOLATION is namespaces" in refused.stderr and not refused.stdout
     graded = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert (graded.returncode, graded.stderr) == (0, "")
+    assert (graded.returncode, graded.stderr) == (0, "") and _isolation(graded.stdout).startswith("process: ")
+
+
+def _grade(rigid_body):
+    file = str(rigid_body.folder / "samples/right_terms.py")
+    return [sys.executable, "-m", "service.cli", "grade", file, "--exercise", "2", "--json"]
+
+
+def _isolation(stdout):
+    (graded,) = json.loads(stdout)["reports"]
+    return graded["report"]["provenance"]["isolation"]
 
 
 @pytest.mark.slow  # a worker without a sandbox says why: test_worker.py; then no submission is taken: test_health.py

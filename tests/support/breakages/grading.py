@@ -123,6 +123,13 @@ GRADING = [
         ("tests/service/cli/test_verify_made.py",),
     ),
     Breakage(
+        "polhode grade does not use the guest that it has started first",
+        "service/cli/grade.py",
+        "sandbox = Sandbox(prepared, limits, first) if prepared else None",
+        "sandbox = None",
+        ("tests/service/sandbox/test_select.py::test_grade_starts_one_guest_in_namespaces",),
+    ),
+    Breakage(
         "polhode grade exits with 1 where a file could not be graded",
         "service/cli/grade.py",
         "return 2 if any(file.fault for file in graded) else 0",

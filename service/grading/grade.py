@@ -5,7 +5,6 @@ import logging
 import platform
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from importlib import metadata
 
 import numpy as np
 
@@ -173,7 +172,7 @@ def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
 @functools.cache
 def versions(more: tuple[str, ...] = ()) -> dict[str, str]:
     """Return the versions of Python and of the packages that results depend on, ``more`` of an assignment among them."""
-    return {"python": platform.python_version()} | {name: metadata.version(name) for name in (*VERSIONS_OF, *more)}
+    return {"python": platform.python_version()} | {name: packages.version(name) for name in (*VERSIONS_OF, *more)}
 
 
 def _play(

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from importlib import metadata
 
 import numpy as np
 import pytest
@@ -21,6 +22,13 @@ def test_every_sandbox_has_numpy_scipy_and_matplotlib():
 def test_what_is_installed_is_listed_and_what_is_not_is_missing():
     assert packages.missing(["iniconfig", "no-such-package", ""]) == ["no-such-package", ""]
     assert ", iniconfig " in packages.listing(["iniconfig"]) and "no-such" not in packages.listing(["no-such-package"])
+
+
+def test_versions_are_those_of_importlib_metadata(tmp_path, monkeypatch):
+    (tmp_path / "old.egg-info").write_text("Metadata-Version: 1.0\nName: old\nVersion: 3\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    known = {found.metadata["Name"]: found.version for found in metadata.distributions()}
+    assert {name: packages.version(name) for name in known} == known and known["old"] == "3" and len(known) > 20
 
 
 @pytest.mark.parametrize("declared", [("",), (1,), "sympy"])

@@ -64,7 +64,7 @@ GRADING = [
         "service/api/parse_submission.py",
         "if size <= SMALL:",
         "if size <= limits.upload:",
-        ("tests/service/api/test_parse_submission.py",),
+        ("tests/service/api/test_parse_submission.py::test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here",),
     ),
     Breakage(
         "polhode assign removes the deadline when it is not given",
@@ -92,7 +92,7 @@ GRADING = [
         "service/grading/batch.py",
         "source=source, fault=str(fault))",
         "source=source, refused=str(fault))",
-        ("tests/service/grading/test_batch.py",),
+        ("tests/service/cli/test_grade.py::test_a_fault_exits_with_2_and_is_no_verdict",),
     ),
     Breakage(
         "two wrong versions of a solution are equal by the rules of arithmetic",

@@ -43,7 +43,7 @@ SANDBOX = [
         "service/sandbox/sandbox.py",
         "if refusal := self.identity.refusal(self.isolation):",
         "if (refusal := self.identity.refusal(self.isolation)) and not self.identity:",
-        ("tests/service/sandbox/test_identity.py",),
+        ("tests/service/cli/test_doctor.py::test_a_guest_that_is_root_is_reported_and_refused",),
     ),
     Breakage(
         "a guest of root does not get the folders below closed ones",

@@ -141,14 +141,14 @@ STORE = [
         "service/store/records.py",
         'WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL)"',
         'WHERE o.submission_id = s.id)"',
-        ("tests/service/store/course/test_overrides.py",),
+        ("tests/service/store/course/test_gradebook.py::test_points_given_count_instead",),
     ),
     Breakage(
         "a regrade is applied twice",
         "service/store/regrades.py",
         "decided_at = clock_timestamp() WHERE id = :id AND decided IS NULL",
         "decided_at = clock_timestamp() WHERE id = :id",
-        ("tests/service/store/test_regrades.py",),
+        ("tests/service/store/test_regrades.py::test_applied_twice_or_dropped_meanwhile_is_decided_once",),
     ),
     Breakage(
         "a regrade is applied before all of it is graded",

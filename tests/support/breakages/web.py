@@ -140,7 +140,7 @@ WEB = [
         "students may give themselves points",
         "service/pages/overrides.py",
         "from service.auth.roles import Instructor",
-        "from service.auth.roles import Looking as Instructor",
+        "from service.auth.roles import CurrentUser as Instructor",
         ("tests/service/auth/test_roles.py::test_what_students_may_open_and_what_only_instructors_may_do",),
     ),
     Breakage(

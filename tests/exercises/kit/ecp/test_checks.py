@@ -109,6 +109,11 @@ def test_a_check_that_fails_for_the_exact_numbers_too_is_an_error_of_the_author(
         judged(measured, [1.0, 2.0], EXACT)
 
 
+def test_an_error_that_no_number_explains_is_one_of_the_author_even_if_the_exact_numbers_pass():
+    with pytest.raises(AuthorError, match=r"^check id: test_checks\.py line \d+: KeyError: "):
+        judged(lambda seen: seen["x" if seen["x"][0] == 1 else "z"], [2.0, 1.0], EXACT)
+
+
 def test_a_wrong_length_of_the_student_fails_and_one_of_the_author_is_an_error():
     assert judged(lambda seen: seen["x"], [1.0], EXACT).detail.startswith("shape (1,) vs expected shape (2,)")
     with pytest.raises(AuthorError, match=r"test_checks\.py line \d+: ValueError: shape \(2,\) vs expected shape \(3,\)"):

@@ -49,7 +49,7 @@ INSIDE = {
 BEFORE = {
     "through gc": (
         "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in gc.get_objects()"
-        " if isinstance(d, dict) and d.get('__name__') == 'plays']",
+        " if isinstance(d, dict) and d.get('__name__') == 'plays' and 'record' in d]",
         "watch",
     ),
     "the table of calls": (

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import threading
 import time
 from dataclasses import replace
@@ -264,6 +265,22 @@ def test_a_guest_that_a_submission_crashes_is_replaced_and_counted(warm_sandbox)
     assert result.scene_ends["one"].ended is Ended.KILLED and warm_sandbox.replaced == before + 1
     for _ in range(2):
         assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
+
+
+def test_a_guest_that_cannot_be_killed_costs_no_result(warm_sandbox, monkeypatch, caplog):
+    killed = []
+
+    def never_exits(self, timeout=None):
+        killed.append(self)
+        raise subprocess.TimeoutExpired(self.args, timeout)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(subprocess.Popen, "wait", never_exits)
+        result = warm_sandbox.play(job("import os\ndef f():\n    os.abort()"))
+    assert result.scene_ends["one"].ended is Ended.KILLED and "could not be killed" in caplog.text
+    for process in killed:
+        process.wait()
+    assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
 
 
 SLEEPS = """

@@ -88,11 +88,12 @@ def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[st
 
     ``parameters`` are those of the solutions that are functions. A function of the notebook must have the same.
     """
-    bound = {name for cell in cells for name in cell.bound()} if names else set()
+    bound = set()
     for number, cell in enumerate((cell for cell in cells if cell.kind == "code"), 1):
+        bound |= cell.bound()
         if python_of(cell.source) is None and not cell.source.lstrip().startswith("%%"):
             yield f"code cell {number} is not valid Python: {_syntax_error(cell.source)}"
-        for node in [s.node for s in statements_of(cell.source)] if parameters else ():
+        for node in [s.node for s in statements_of(cell.source)]:
             if isinstance(node, ast.FunctionDef) and (expected := parameters.get(node.name)) is not None:
                 own = [a.arg for a in (*node.args.posonlyargs, *node.args.args)]
                 if own[: len(expected)] != list(expected):

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import ecp
-from ecp.own_modules import MODULES
+from ecp.data_files import MODULES
 from exercises.author_notebook import Cell
 from exercises.validation import REPLACEABLE
 

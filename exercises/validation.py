@@ -10,8 +10,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
+from ecp.data_files import MODULES
 from ecp.exercise import Exercise
-from ecp.own_modules import MODULES
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
 

@@ -178,19 +178,17 @@ def selection(tests: Sequence[str]) -> str:
 
 def untouched(copy: Copy, tests: Sequence[str]) -> list[str]:
     """Why these tests cannot serve: they fail without any breakage, or pytest does not select them."""
-    found = list[str]()
-    for same in ([test for test in tests if "::" in test], [test for test in tests if "::" not in test]):
-        if not same:
-            continue
-        collected = copy.pytest("--collect-only", "-m", selection(same), *same)
-        unselected = [test for test in same if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)]
-        if collected.code != 0 or unselected:
-            found += [f"pytest does not select {test}" for test in unselected] or [collected.output]
-            continue
-        run = copy.pytest(*SHARED, "-m", selection(same), *same, limit_s=WHOLE_LIMIT_S)
-        if run.code != 0:
-            found += [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
-    return found
+    functions, files = [test for test in tests if "::" in test], [test for test in tests if "::" not in test]
+    return [why for same in (functions, files) if same for why in _untouched(copy, same)]
+
+
+def _untouched(copy: Copy, tests: Sequence[str]) -> list[str]:
+    collected = copy.pytest("--collect-only", "-m", selection(tests), *tests)
+    unselected = [test for test in tests if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)]
+    if collected.code != 0 or unselected:
+        return [f"pytest does not select {test}" for test in unselected] or [collected.output]
+    run = copy.pytest(*SHARED, "-m", selection(tests), *tests, limit_s=WHOLE_LIMIT_S)
+    return [] if run.code == 0 else [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
 
 
 def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:

@@ -76,14 +76,14 @@ def grade_files(
         request.file.open("rb").close()
     processes = min(len(requests), jobs or len(os.sched_getaffinity(0)))
     if processes <= 1:
-        yield from _grade_in_process(requests, options, sandbox, on_progress)
+        yield from _grade_one_by_one(requests, options, sandbox, on_progress)
         return
     from service.grading.parallel import grade_in_processes  # only here: importing multiprocessing takes 3 ms
 
     yield from grade_in_processes(requests, options, sandbox, processes, on_progress)
 
 
-def _grade_in_process(
+def _grade_one_by_one(
     requests: Sequence[GradeRequest],
     options: GradeOptions,
     sandbox: Sandbox,

@@ -82,13 +82,8 @@ class Zygote:
         """
         other = copy.copy(self)
         other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        other._identity, other._is_copy, other._cancelled, other._exit_is_unread, other._started_child = (
-            None,
-            True,
-            cancelled,
-            False,
-            None,
-        )
+        other._identity = other._started_child = None
+        other._is_copy, other._cancelled, other._exit_is_unread = True, cancelled, False
         with theirs:
             socket.send_fds(self._control, [b"copy"], [theirs.fileno()])
         return other

@@ -13,11 +13,11 @@ import numpy as np
 
 from ecp import KIT
 from ecp.checks import Arrays
+from ecp.data_files import MODULES, copy_data, use_modules
 from ecp.errors import NotebookError
 from ecp.exercise import Exercise
 from ecp.kinds import diagnose, exercise
 from ecp.outcome import Diagnosis
-from ecp.own_modules import MODULES, use_modules
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
 """Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes."""
@@ -100,23 +100,8 @@ def connect(server: str | None = None, assignment: str | None = None) -> None:
     _connected[0] = Course(_address(server) if server else None, assignment)
     for slug in [assignment] if assignment else slugs():
         data = FOLDER / slug.replace("-", "_") / "data"
-        _copy_data(data)
+        copy_data(data)
         use_modules(data / MODULES)
-
-
-def _copy_data(home: Path) -> None:
-    for source in sorted(path for path in home.rglob("*") if path.is_file()):
-        name = source.relative_to(home)
-        if name.parts[0] == MODULES:
-            continue
-        try:
-            if not name.exists():
-                name.parent.mkdir(parents=True, exist_ok=True)
-                name.write_bytes(source.read_bytes())
-            elif name.read_bytes() != source.read_bytes():
-                print(f"{name} in {Path.cwd()} differs from the course's file: rename yours and run this cell again.")
-        except OSError as error:
-            print(f"{name} was not written to {Path.cwd()} ({error.strerror}): copy it there from {source}.")
 
 
 def server(given: str | None = None, assignment: str | None = None) -> str:

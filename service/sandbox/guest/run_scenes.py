@@ -18,7 +18,7 @@ import numpy as np
 
 from ecp import animate
 from ecp.author_errors import SOURCES, AuthorError, author_error, checked_arrays
-from ecp.own_modules import MODULES, use_modules
+from ecp.data_files import MODULES, use_modules
 from ecp.return_value import describe_exception, is_written, missing
 
 from . import unused_libraries

@@ -69,10 +69,8 @@ def test_the_report_is_the_same(source, rigid_body, sandbox, warm_sandbox, besid
 
 
 def test_it_starts_while_the_first_child_plays(rigid_body, warm_sandbox, beside):
-    assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed and beside.submitted == [
-        "start_child",
-        "_play",
-    ]
+    passed = grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed
+    assert passed and beside.submitted == ["start_child", "_play"]
 
 
 def test_it_does_not_play_before_the_first_child_has_answered(rigid_body, warm_sandbox, beside):

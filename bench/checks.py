@@ -1,5 +1,5 @@
-"""False ✗ over random bodies, the time of a diagnosis, and the cost of checking an animation relative to drawing
-it.
+"""False ✗ over random bodies, the time of a diagnosis, and the cost of checking an animation relative to
+drawing it.
 
 ``make bench`` runs this. BODIES=10000 repeats the published figure (ten minutes on two cores).
 """
@@ -58,8 +58,8 @@ FORMULATIONS = (
 
 
 def motion(number: int) -> tuple[float, int]:
-    """Return the share of its tolerance that a correct function uses on random motion ``number``, and its false ✗
-    at the probes.
+    """Return the share of its tolerance that a correct function uses on random motion ``number``, and its
+    false ✗ at the probes.
     """
     name = list(DRAWN)[number % len(DRAWN)]
     scene, probes = ASSIGNMENT.scene(name), ASSIGNMENT.scene("probes")
@@ -84,7 +84,10 @@ def false_alarms() -> None:
     for k, name in enumerate(DRAWN):
         used = [u for number, (u, _) in enumerate(found) if number % len(DRAWN) == k]
         false = sum(u > 1 for u in used)
-        print(f"  {name:16} {len(used):5} motions, {false} false ✗; at most {max(used):.3f} of the tolerance used")
+        print(
+            f"  {name:16} {len(used):5} motions, {false} false ✗; at most {max(used):.3f} of the tolerance"
+            " used"
+        )
 
 
 def diagnosis() -> None:
@@ -96,7 +99,10 @@ def diagnosis() -> None:
         with contextlib.suppress(Exception):  # of a version that fails
             seen = plays.pointwise(names, inputs)
             spent.append(min(_milliseconds(inputs, seen) for _ in range(2)))
-    print(f"diagnosis of {len(spent)} wrong functions: median {statistics.median(spent):.1f} ms, longest {max(spent):.1f} ms")
+    print(
+        f"diagnosis of {len(spent)} wrong functions: median {statistics.median(spent):.1f} ms, longest"
+        f" {max(spent):.1f} ms"
+    )
 
 
 def _milliseconds(inputs, seen) -> float:
@@ -112,7 +118,10 @@ def animations() -> None:
     for file in sorted(folder.glob("right_animation_*.py"))[::3]:
         bare, checked = (min(_draw_time(file, inputs, follow) for _ in range(2)) for follow in (False, True))
         ratios.append(checked / bare)
-    print(f"{len(ratios)} animations checked: {statistics.median(ratios):.3f} times bare drawing, at most {max(ratios):.3f}")
+    print(
+        f"{len(ratios)} animations checked: {statistics.median(ratios):.3f} times bare drawing, at most"
+        f" {max(ratios):.3f}"
+    )
 
 
 def _draw_time(file: Path, inputs, follow: bool) -> float:

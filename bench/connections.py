@@ -1,7 +1,9 @@
-"""Time to accept a submission on an idle server, without and with clients that hold connections, in the same run.
+"""Time to accept a submission on an idle server, without and with clients that hold connections, in the same
+run.
 
-The attack, a process of its own, is 2000 idle connections, half of them with an incomplete header, and 200 bodies of one byte per
-second. It opens a connection again when the server closes it. The goal holds for a machine with two cores.
+The attack, a process of its own, is 2000 idle connections, half of them with an incomplete header, and 200
+bodies of one byte per second. It opens a connection again when the server closes it. The goal holds for a
+machine with two cores.
 """
 
 import contextlib
@@ -18,7 +20,9 @@ from multiprocessing.sharedctypes import Synchronized
 from bench.queue import PATH, SOURCE, line, quantile, server
 
 IDLE, SLOW = 2000, 200
-ADDRESSES = [f"127.0.1.{k}" for k in range(1, 9)]  # a loopback address other than 127.0.0.1 is no proxy to the server
+ADDRESSES = [
+    f"127.0.1.{k}" for k in range(1, 9)
+]  # a loopback address other than 127.0.0.1 is no proxy to the server
 SUBMISSIONS, PAUSE_S = 300, 0.05
 GOAL_MS = 100.0
 UNFINISHED = b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n"
@@ -65,7 +69,12 @@ def submit(port: int, name: str, count: int = SUBMISSIONS) -> None:
         time.sleep(PAUSE_S)
     p50, p99, most = (1e3 * quantile(times, q) for q in (0.5, 0.99, 1.0))
     answers = f"other answers than 202: {others}" if others else "all 202"
-    line(f"{name}, p99", p99, "ms", f"p50 {p50:.1f}, max {most:.1f}; goal {GOAL_MS:g}; {answers}; load {os.getloadavg()[0]:.1f}")
+    line(
+        f"{name}, p99",
+        p99,
+        "ms",
+        f"p50 {p50:.1f}, max {most:.1f}; goal {GOAL_MS:g}; {answers}; load {os.getloadavg()[0]:.1f}",
+    )
 
 
 def attack(port: int, open_now: "Synchronized[int]", opened: "Synchronized[int]") -> None:

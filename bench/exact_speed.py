@@ -1,5 +1,5 @@
-"""Speed of the exact motion relative to the notebook's integrate_body: interleaved calls, medians of the paired
-ratios.
+"""Speed of the exact motion relative to the notebook's integrate_body: interleaved calls, medians of the
+paired ratios.
 
 Also its errors on all of truth.npz, of which the tests use a random part. ``make bench`` runs this.
 """
@@ -36,7 +36,9 @@ def notebook() -> Callable[..., object]:
 def euler_eqs(t, w, I):
     """Euler's equations as the notebook's solution writes them."""
     I1, I2, I3 = I
-    return np.array([(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3])
+    return np.array(
+        [(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3]
+    )
 
 
 def seconds(run: Callable[[], object], times: int = 1) -> float:
@@ -48,7 +50,9 @@ def seconds(run: Callable[[], object], times: int = 1) -> float:
 
 
 def speed(rounds: int = 21, row: int = 20) -> None:
-    """Print the ratios for single calls right after the notebook's, with the caches it leaves, and for calls in a row."""
+    """Print the ratios for single calls right after the notebook's, with the caches it leaves, and for calls
+    in a row.
+    """
     integrate = notebook()
     heads = ("numpy, single", "in a row", "compiled, single", "in a row")
     print(f"{'scene':22} {'model':10} {'notebook':>9} ", *(f"{head:>16}" for head in heads))
@@ -65,7 +69,9 @@ def speed(rounds: int = 21, row: int = 20) -> None:
             times = [statistics.median(r[k] for r in rows) for k in range(3)]
             ratios = [statistics.median(r[0] / r[k] for r in rows) for k in (1, 2)]
             cells += [f"{times[k] * 1e6:7.0f}us {ratios[k - 1]:5.0f}x" for k in (1, 2)]
-        print(f"{name:22} {Exact(w0, I).model:10} {times[0] * 1e3:7.1f}ms ", *(f"{cell:>16}" for cell in cells))
+        print(
+            f"{name:22} {Exact(w0, I).model:10} {times[0] * 1e3:7.1f}ms ", *(f"{cell:>16}" for cell in cells)
+        )
 
 
 def accuracy() -> None:

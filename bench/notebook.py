@@ -1,4 +1,6 @@
-"""CPU time of grading the course's notebook, warm, against executing its cells once in plain Python and as Jupyter shows them."""
+"""CPU time of grading the course's notebook, warm, against executing its cells once in plain Python and as
+Jupyter shows them.
+"""
 
 import contextlib
 import io
@@ -36,9 +38,13 @@ def main() -> None:
     ours, once, displayed = map(statistics.median, (graded, plain, shown))
     print(f"\n{FILE.name}, CPU time, load {os.getloadavg()[0]:.1f}")
     print(f"{'grading, warm, with figures':44} {1e3 * ours:8.0f} ms")
-    print(f"{'every cell once, nothing shown':44} {1e3 * once:8.0f} ms   grading {ours / once:.2f} times as much, goal 1.5")
     print(
-        f"{'the same, with figures and player shown':44} {1e3 * displayed:8.0f} ms   grading {ours / displayed:.2f} times as much"
+        f"{'every cell once, nothing shown':44} {1e3 * once:8.0f} ms   grading {ours / once:.2f} times as"
+        " much, goal 1.5"
+    )
+    print(
+        f"{'the same, with figures and player shown':44} {1e3 * displayed:8.0f} ms   grading"
+        f" {ours / displayed:.2f} times as much"
     )
 
 
@@ -54,7 +60,9 @@ def _grade(grader: Grader, seed: int) -> float:
 
 
 def executed() -> tuple[float, float]:
-    """Return the CPU time of the cells, and that of drawing their figures and player as a notebook's front end shows them."""
+    """Return the CPU time of the cells, and that of drawing their figures and player as a notebook's front
+    end shows them.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
@@ -67,7 +75,9 @@ def executed() -> tuple[float, float]:
     from ecp import animate
 
     ecp.check = ecp.submit = lambda *args, **kwargs: None
-    cells = [cell for cell in json.loads(FILE.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+    cells = [
+        cell for cell in json.loads(FILE.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"
+    ]
     sources = ["".join(line for line in cell["source"] if not line.startswith("%")) for cell in cells]
     names = {"__name__": "__main__", "display": lambda *args: None}
     began = time.process_time()

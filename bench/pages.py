@@ -1,5 +1,5 @@
-"""Response times of the pages for a class of 500 students with five submissions of forty checks each, on a real
-server.
+"""Response times of the pages for a class of 500 students with five submissions of forty checks each, on a
+real server.
 
 For comparison the main SQL statement of a page is timed alone in the same run, through psycopg.
 """
@@ -111,7 +111,8 @@ def fill(url: str) -> None:
 
 _FILL = """
 WITH people AS (
-    INSERT INTO person (name, full_name) SELECT 'student-' || k, 'Student Number ' || k FROM generate_series(1, %(students)s) k
+    INSERT INTO person (name, full_name) SELECT 'student-' || k, 'Student Number ' || k
+      FROM generate_series(1, %(students)s) k
     ON CONFLICT (name) DO UPDATE SET email = excluded.full_name || '@example.org' RETURNING id
 ), members AS (
     INSERT INTO member SELECT c.id, p.id, 'student' FROM course c, people p ON CONFLICT DO NOTHING
@@ -119,7 +120,8 @@ WITH people AS (
     INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint, submitted_at)
     SELECT gen_random_uuid(), x.id, p.id, s.source, encode(sha256(convert_to(s.source, 'UTF8')), 'hex'),
         'work.py', '', now() - make_interval(hours => 10 - %(n)s)
-    FROM assignment x, people p, (SELECT 'def euler_eqs(t, w, I):' || chr(10) || '    return w * ' || %(n)s AS source) s
+    FROM assignment x, people p, (SELECT 'def euler_eqs(t, w, I):' || chr(10) || '    return w * ' || %(n)s AS
+      source) s
     RETURNING id
 ), tried AS (
     INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)
@@ -138,7 +140,8 @@ _OUTCOMES = """
 INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
 SELECT r.grading_id, o->>'id', o->>'verdict', true, (o->>'margin')::float8 * (0.5 + random()),
     ARRAY(SELECT d->>'code' FROM jsonb_array_elements(o->'diagnosis') d),
-    ARRAY(SELECT d->>'sentence' FROM jsonb_array_elements(o->'diagnosis') d), (o->>'points')::int, (o->>'earned')::int
+    ARRAY(SELECT d->>'sentence' FROM jsonb_array_elements(o->'diagnosis') d), (o->>'points')::int,
+      (o->>'earned')::int
 FROM result r, jsonb_array_elements(r.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 """
 

@@ -1,7 +1,8 @@
-"""Cost of store and queue: accepting, starting, recovery, idling, and a grading through them against a direct one.
+"""Cost of store and queue: accepting, starting, recovery, idling, and a grading through them against a direct
+one.
 
-All measurements use a real ``polhode serve`` in a temporary folder. The goals hold for an idle machine with two
-cores.
+All measurements use a real ``polhode serve`` in a temporary folder. The goals hold for an idle machine with
+two cores.
 """
 
 import asyncio
@@ -41,7 +42,12 @@ def main() -> None:
         idle(process)
         starting(url, data)
         through, direct = overhead(url)
-        line("exercise 2, through HTTP, queue and store", 1e3 * through, "ms", f"directly {1e3 * direct:.0f} ms")
+        line(
+            "exercise 2, through HTTP, queue and store",
+            1e3 * through,
+            "ms",
+            f"directly {1e3 * direct:.0f} ms",
+        )
         line("  overhead", 100 * (through / direct - 1), "%", "goal 10 %")
     with server(workers=2) as (url, data, process):
         idle(process)
@@ -56,9 +62,15 @@ def server(workers: int) -> Iterator[tuple[str, Path, "subprocess.Popen[bytes]"]
     port = free_port()
     with tempfile.TemporaryDirectory(prefix="polhode-bench-") as folder:
         data = Path(folder) / "data"
-        own = {"POLHODE_DATA": str(data), "POLHODE_WORKERS": str(workers), "POLHODE_PERSON_HEADER": "Remote-User"}
+        own = {
+            "POLHODE_DATA": str(data),
+            "POLHODE_WORKERS": str(workers),
+            "POLHODE_PERSON_HEADER": "Remote-User",
+        }
         environment = os.environ | own
-        process = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment
+        )
         url = f"http://127.0.0.1:{port}"
         try:
             until = time.monotonic() + 60
@@ -83,7 +95,9 @@ def accepting(url: str, name: str, rate: float = 50.0, seconds: float = 10.0) ->
 
             async def one(k: int) -> None:
                 began = time.perf_counter()
-                answer = await client.post(url + PATH, json=FAST, headers={"Remote-User": f"student {k % 40}"})
+                answer = await client.post(
+                    url + PATH, json=FAST, headers={"Remote-User": f"student {k % 40}"}
+                )
                 assert answer.status_code == 202
                 times.append(time.perf_counter() - began)
 
@@ -95,11 +109,18 @@ def accepting(url: str, name: str, rate: float = 50.0, seconds: float = 10.0) ->
         return times
 
     times = asyncio.run(send())
-    line(name, 1e3 * statistics.median(times), "ms", f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 10 and 50 on an idle machine")
+    line(
+        name,
+        1e3 * statistics.median(times),
+        "ms",
+        f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 10 and 50 on an idle machine",
+    )
 
 
 def starting(url: str, data: Path, count: int = 60) -> None:
-    """Measure the time from the response 202 to the start of the run, one submission at a time on an idle machine."""
+    """Measure the time from the response 202 to the start of the run, one submission at a time on an idle
+    machine.
+    """
     answered = {}
     with httpx2.Client(headers=ME, timeout=40) as client:
         for _ in range(count):
@@ -107,9 +128,17 @@ def starting(url: str, data: Path, count: int = 60) -> None:
             answered[id] = time.time()
             wait(lambda id=id: client.get(f"{url}/v1/submissions/{id}").json()["status"] == "graded")
             time.sleep(0.05)
-    began = "SELECT submission_id::text, extract(epoch FROM started_at) FROM run JOIN grading a ON a.id = grading_id"
+    began = (
+        "SELECT submission_id::text, extract(epoch FROM started_at) FROM run JOIN grading a ON a.id ="
+        " grading_id"
+    )
     times = [max(0.0, float(s) - answered[id]) for id, s in query(data, began)]
-    line("accepted to started", 1e3 * statistics.median(times), "ms", f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 5 and 20")
+    line(
+        "accepted to started",
+        1e3 * statistics.median(times),
+        "ms",
+        f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 5 and 20",
+    )
 
 
 def overhead(url: str, count: int = 25) -> tuple[float, float]:
@@ -129,11 +158,16 @@ def overhead(url: str, count: int = 25) -> tuple[float, float]:
 
 
 def takeover(url: str, data: Path, count: int = 6) -> None:
-    """Measure the time from SIGKILL of a worker during a grading to the start of the next run on the other worker."""
+    """Measure the time from SIGKILL of a worker during a grading to the start of the next run on the other
+    worker.
+    """
     times = []
     for _ in range(count):
         id = httpx2.post(url + PATH, json=SLOW, headers=ME, timeout=30).json()["id"]
-        runs = f"SELECT worker FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = '{id}' ORDER BY run.started_at"
+        runs = (
+            f"SELECT worker FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = '{id}' ORDER"
+            " BY run.started_at"
+        )
         (worker,) = wait(lambda runs=runs: query(data, runs))[0]
         time.sleep(0.8)
         began = time.perf_counter()
@@ -141,7 +175,12 @@ def takeover(url: str, data: Path, count: int = 6) -> None:
         wait(lambda runs=runs: len(query(data, runs)) == 2)
         times.append(time.perf_counter() - began)
         wait(lambda id=id: httpx2.get(f"{url}/v1/submissions/{id}", headers=ME).json()["status"] == "graded")
-    line("killed worker's submission restarted after", statistics.median(times), "s", f"at most {max(times):.1f} s; goal 5")
+    line(
+        "killed worker's submission restarted after",
+        statistics.median(times),
+        "s",
+        f"at most {max(times):.1f} s; goal 5",
+    )
 
 
 def restart(url: str, data: Path, count: int = 5) -> None:
@@ -155,11 +194,18 @@ def restart(url: str, data: Path, count: int = 5) -> None:
         wait(lambda: query(data, "SELECT 1 FROM run WHERE started_at > pg_postmaster_start_time()"))
         times.append(time.perf_counter() - began)
         time.sleep(2)
-    line("database killed to first submission started", statistics.median(times), "s", f"at most {max(times):.1f} s; goal 5")
+    line(
+        "database killed to first submission started",
+        statistics.median(times),
+        "s",
+        f"at most {max(times):.1f} s; goal 5",
+    )
 
 
 def idle(process: "subprocess.Popen[bytes]", seconds: float = 20.0) -> None:
-    """Measure the CPU load (% of a core) and memory (proportional set sizes) of all processes but the guests."""
+    """Measure the CPU load (% of a core) and memory (proportional set sizes) of all processes but the
+    guests.
+    """
     processes = [p for p in tree(process.pid) if "bwrap" not in command(p) and "-I -S" not in command(p)]
     before = sum(ticks(p) for p in processes)
     time.sleep(seconds)
@@ -187,7 +233,11 @@ def ticks(pid: int) -> int:
 
 def proportional(pid: int) -> int:
     """Return the proportional set size of a process in KiB."""
-    return sum(int(w.split()[1]) for w in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines() if w.startswith("Pss:"))
+    return sum(
+        int(w.split()[1])
+        for w in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+        if w.startswith("Pss:")
+    )
 
 
 def query(data: Path, statement: str) -> list[tuple]:

@@ -1,4 +1,5 @@
-"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission; rates, memory, kill latency.
+"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission; rates, memory, kill
+latency.
 
 The goals hold for an idle machine with two cores.
 """
@@ -36,7 +37,12 @@ def euler_eqs(t, w, I):
 TRIVIAL = Job(
     "import numpy as np",
     "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](1.0))}",
-    (Cell("submission.py", "import time\nprint(time.clock_gettime(time.CLOCK_MONOTONIC))\ndef f(x):\n    return [x, x]"),),
+    (
+        Cell(
+            "submission.py",
+            "import time\nprint(time.clock_gettime(time.CLOCK_MONOTONIC))\ndef f(x):\n    return [x, x]",
+        ),
+    ),
     ("f",),
     (SceneRequest("one", "ask", "f", {}, {"x": ArraySpec((2,))}, 2.0, None),),
 )
@@ -65,8 +71,14 @@ def main() -> None:
     latency(without_namespaces := Sandbox(process_isolation()), "the same without namespaces")
     without_namespaces.close()
     cold = statistics.median(timed(lambda: _cold(isolation)) for _ in range(5))
-    print(f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm play")
-    print(f"{'trivial plays, two zygotes':44} {rate([first, second], lambda s: s.play(TRIVIAL)):8.0f} /s      goal 100")
+    print(
+        f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm"
+        " play"
+    )
+    print(
+        f"{'trivial plays, two zygotes':44} {rate([first, second], lambda s: s.play(TRIVIAL)):8.0f} /s     "
+        " goal 100"
+    )
     job, inputs, truths = _probing()
     probed = rate([first, second], lambda s: _probe(s, job, inputs, truths))
     print(f"{'two-child probings of 128 points, two zygotes':44} {probed:8.0f} /s      goal 50")
@@ -79,7 +91,9 @@ def main() -> None:
 
 
 def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
-    """Print the median time to the submission's first line and of a whole play. Return the latter in seconds."""
+    """Print the median time to the submission's first line and of a whole play.
+    Return the latter in seconds.
+    """
     first_line, whole = [], []
     for _ in range(plays):
         began = time.clock_gettime(time.CLOCK_MONOTONIC)
@@ -88,7 +102,10 @@ def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
         first_line.append(float(result.stdout) - began)
     start, total = (1e3 * statistics.median(x) for x in (first_line, whole))
     high = 1e3 * statistics.quantiles(whole, n=20)[-1]
-    print(f"{name:44} {start:8.1f} ms to the student's first line (goal 10), {total:.1f} ms in all (goal 20), p95 {high:.1f}")
+    print(
+        f"{name:44} {start:8.1f} ms to the student's first line (goal 10), {total:.1f} ms in all (goal 20),"
+        f" p95 {high:.1f}"
+    )
     return total / 1e3
 
 
@@ -110,14 +127,23 @@ def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: f
 
 
 def memory(sandbox: Sandbox) -> None:
-    """Print the resident size of the zygote, and the private memory of a child that computes and of one that draws."""
+    """Print the resident size of the zygote, and the private memory of a child that computes and of one that
+    draws.
+    """
     pid = sandbox._zygote._started.process.pid
-    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python"):  # bubblewrap's own processes
+    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith(
+        "python"
+    ):  # bubblewrap's own processes
         pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
     print(f"{'zygote, resident':44} {_memory(pid, 'Rss') / 1024:8.0f} MB      goal 130")
-    for name, source, goal in (("computes", "def f(x):\n    return [x, x]", 5), ("has drawn a figure", DRAWING, 25)):
+    for name, source, goal in (
+        ("computes", "def f(x):\n    return [x, x]", 5),
+        ("has drawn a figure", DRAWING, 25),
+    ):
         held = source.replace("return", "import time; time.sleep(0.5); return")
-        thread = threading.Thread(target=sandbox.play, args=(replace(TRIVIAL, cells=(Cell("submission.py", held),)),))
+        thread = threading.Thread(
+            target=sandbox.play, args=(replace(TRIVIAL, cells=(Cell("submission.py", held),)),)
+        )
         thread.start()
         largest = 0.0
         while thread.is_alive():
@@ -132,9 +158,14 @@ def kill_latency(sandbox: Sandbox) -> None:
     """Print the time from the end of the wall-clock limit until the child is reaped."""
     session.GRACE_S = 0.0
     source = "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [14])\ndef f(x):\n    while True: pass"
-    job = replace(TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),))
+    job = replace(
+        TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),)
+    )
     late = [timed(lambda: sandbox.play(job)) - CLOCK_FACTOR * 0.3 for _ in range(10)]
-    print(f"{'an endless loop ends after its limit by':44} {1e3 * statistics.median(late):8.0f} ms      goal 100")
+    print(
+        f"{'an endless loop ends after its limit by':44} {1e3 * statistics.median(late):8.0f} ms     "
+        " goal 100"
+    )
 
 
 def timed(run: Callable[[], object]) -> float:
@@ -145,13 +176,21 @@ def timed(run: Callable[[], object]) -> float:
 
 
 def _cold(isolation) -> None:
-    command = [*isolation.around, isolation.inside[0], "-I", "-S", "-B", "-c", _IMPORTS.format(path=_path(isolation))]
+    command = [
+        *isolation.around,
+        isolation.inside[0],
+        "-I",
+        "-S",
+        "-B",
+        "-c",
+        _IMPORTS.format(path=_path(isolation)),
+    ]
     subprocess.run(command, env=dict(isolation.environment), check=True)
 
 
 _IMPORTS = (
-    "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, "
-    "ecp.animation_recording"
+    "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot,"
+    " matplotlib.animation, ecp.animation_recording"
 )
 
 
@@ -165,7 +204,9 @@ def _probing():
     assignment = find("rigid-body")
     scenes = [assignment.scene("probes"), assignment.scene("torque-free")]
     inputs = {s.name: draw_inputs(s, 1) for s in scenes}
-    played = tuple(SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes)
+    played = tuple(
+        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes
+    )
     job = Job(assignment.setup, assignment.plays, (Cell("submission.py", RIGHT),), ("euler_eqs",), played)
     return job, inputs, {s.name: truth(s, inputs[s.name]) for s in scenes}
 
@@ -182,7 +223,16 @@ def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
 def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
     asked = dict(inputs["torque-free"]) | {"orientation": False}
     play, returns = host_integration.DRIVE.play, host_integration.DRIVE.returns
-    scene = SceneRequest("torque-free", play, "euler_eqs", {}, returns, 20.0, None, lambda ask: host_integration.motion(asked, ask))
+    scene = SceneRequest(
+        "torque-free",
+        play,
+        "euler_eqs",
+        {},
+        returns,
+        20.0,
+        None,
+        lambda ask: host_integration.motion(asked, ask),
+    )
     motion = sandbox.play(replace(job, scenes=(scene,))).driven["torque-free"]
     assert np.all(np.isfinite(motion["w"]))
 

@@ -1,9 +1,11 @@
-"""Throughput against the number of worker machines that share one PostgreSQL, and where the database becomes the limit.
+"""Throughput against the number of worker machines that share one PostgreSQL, and where the database becomes
+the limit.
 
-Each machine is a network namespace with an address of its own, and reaches the database over TCP with a password. Its workers
-are polhode's, but grading is a wait of the measured time that returns a recorded report and arrays of its size: eight machines
-then fit on a machine with two cores. The database may use a share of one core (``--quota``, cgroups of version 1).
-Needs root. ``python -m bench.scale`` prints one row for each number of machines.
+Each machine is a network namespace with an address of its own, and reaches the database over TCP with a
+password. Its workers are polhode's, but grading is a wait of the measured time that returns a recorded report
+and arrays of its size: eight machines then fit on a machine with two cores. The database may use a share of
+one core (``--quota``, cgroups of version 1). Needs root. ``python -m bench.scale`` prints one row for each
+number of machines.
 """
 
 import argparse
@@ -55,9 +57,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="bench.scale", description=__doc__)
     parser.add_argument("--machines", type=int, nargs="+", default=[1, 2, 4, 8])
     parser.add_argument("--workers", type=int, default=4, help="of each machine")
-    parser.add_argument("--grading", type=float, default=0.3, metavar="SECONDS", help="time of one grading; 0: the store alone")
-    parser.add_argument("--seconds", type=float, default=12.0, help="length of each measurement at the ideal rate")
-    parser.add_argument("--quota", type=float, metavar="CORES", help="share of a core that the database may use")
+    parser.add_argument(
+        "--grading",
+        type=float,
+        default=0.3,
+        metavar="SECONDS",
+        help="time of one grading; 0: the store alone",
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=12.0, help="length of each measurement at the ideal rate"
+    )
+    parser.add_argument(
+        "--quota", type=float, metavar="CORES", help="share of a core that the database may use"
+    )
     parser.add_argument("--be-workers", type=Path, metavar="FILE", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.be_workers:
@@ -68,7 +80,10 @@ def main() -> None:
         folder = Path(name)
         folder.chmod(0o755)
         record(folder / "recorded")
-        print(f"{given.workers} workers for each machine, {given.grading:g} s a grading, database quota {given.quota or 'none'}")
+        print(
+            f"{given.workers} workers for each machine, {given.grading:g} s a grading, database quota"
+            f" {given.quota or 'none'}"
+        )
         print("machines  gradings/s  ideal  database CPU ms each  database cores  connections  load")
         for number in given.machines:
             measure(folder / str(number), folder / "recorded", number, given)
@@ -119,9 +134,13 @@ def measure(folder: Path, recorded: Path, number: int, given: argparse.Namespace
             before, began, spent = finished(connection), time.monotonic(), cpu_s(process)
             wait_for(connection, waiting - 2 * workers if given.grading else waiting)
             after, took, spent = finished(connection), time.monotonic() - began, cpu_s(process) - spent
-            open_now = connection.execute("SELECT count(*) FROM pg_stat_activity WHERE backend_type = 'client backend'").fetchone()
+            open_now = connection.execute(
+                "SELECT count(*) FROM pg_stat_activity WHERE backend_type = 'client backend'"
+            ).fetchone()
             wait_for(connection, waiting)
-            (doubled,) = connection.execute("SELECT count(*) - count(DISTINCT grading_id) FROM run").fetchone() or (0,)
+            (doubled,) = connection.execute(
+                "SELECT count(*) - count(DISTINCT grading_id) FROM run"
+            ).fetchone() or (0,)
         rate = (after - before) / took
         each = 1000 * spent / (after - before)
         used = f"{each:20.1f}  {spent / took:14.2f}  {open_now[0] - 1:11d}  {os.getloadavg()[0]:4.1f}"
@@ -133,7 +152,10 @@ async def fill(url: str, number: int) -> None:
     """Store submissions of many persons, all waiting."""
     database = Database(url, "bench", connections=8)
     await register(database, assignments().values())
-    each = [NewSubmission(uuid.uuid4(), "rigid-body", f"s{k % PERSONS:03}", Submission(SOURCE), ["2"], k) for k in range(number)]
+    each = [
+        NewSubmission(uuid.uuid4(), "rigid-body", f"s{k % PERSONS:03}", Submission(SOURCE), ["2"], k)
+        for k in range(number)
+    ]
     for start in range(0, number, 8):
         await asyncio.gather(*(accept(database, one) for one in each[start : start + 8]))
     await database.close()
@@ -156,22 +178,40 @@ def wait_for(connection: psycopg.Connection, number: int) -> None:
 
 @contextmanager
 def postgres(folder: Path, number: int, quota: float | None) -> Iterator[tuple[list[str], int]]:
-    """Run a PostgreSQL on TCP; yield its address on loopback and on the cable of each machine, and its process id."""
+    """Run a PostgreSQL on TCP; yield its address on loopback and on the cable of each machine, and its
+    process id.
+    """
     programs, data, password, port = find_programs(), folder / "cluster", secrets.token_hex(12), free_port()
     (folder / "password").write_text(password)
     data.mkdir(mode=0o700)
     own(data)
     view = as_server(programs, data, folder)
     own(folder)
-    options = ["-U", "polhode", "--auth=scram-sha-256", f"--pwfile={folder / 'password'}", "--encoding=UTF8", "--locale=C"]
-    subprocess.run([*view, str(programs / "initdb"), "-D", str(data), *options], check=True, capture_output=True)
+    options = [
+        "-U",
+        "polhode",
+        "--auth=scram-sha-256",
+        f"--pwfile={folder / 'password'}",
+        "--encoding=UTF8",
+        "--locale=C",
+    ]
+    subprocess.run(
+        [*view, str(programs / "initdb"), "-D", str(data), *options], check=True, capture_output=True
+    )
     (data / "pg_hba.conf").write_text("host all all all scram-sha-256\n")
     hosts = ["127.0.0.1", *(cable(k)[1] for k in range(number))]
     with namespaces(number):
-        settings = {"listen_addresses": ",".join(hosts), "port": port, "unix_socket_directories": "", "max_connections": 400}
+        settings = {
+            "listen_addresses": ",".join(hosts),
+            "port": port,
+            "unix_socket_directories": "",
+            "max_connections": 400,
+        }
         named = [part for name, value in settings.items() for part in ("-c", f"{name}={value}")]
         with (folder / "log").open("wb") as log:
-            process = subprocess.Popen([*view, str(programs / "postgres"), "-D", str(data), *named], stdout=log, stderr=log)
+            process = subprocess.Popen(
+                [*view, str(programs / "postgres"), "-D", str(data), *named], stdout=log, stderr=log
+            )
         urls = [f"postgresql://polhode:{password}@{host}:{port}/postgres?sslmode=disable" for host in hosts]
         group = CGROUP / f"polhode-scale-{os.getpid()}"
         try:
@@ -191,7 +231,9 @@ def postgres(folder: Path, number: int, quota: float | None) -> Iterator[tuple[l
                         (group / "cgroup.procs").write_text(str(one))
             yield urls, main
         finally:
-            os.kill(int((data / "postmaster.pid").read_text().split("\n")[0]), signal.SIGINT)  # its parent cannot signal it
+            os.kill(
+                int((data / "postmaster.pid").read_text().split("\n")[0]), signal.SIGINT
+            )  # its parent cannot signal it
             process.wait(60)
             if group.exists():
                 group.rmdir()
@@ -203,7 +245,9 @@ def children(process: int) -> list[int]:
 
 
 def cpu_s(process: int) -> float:
-    """Return the CPU time in s of a PostgreSQL: of its main process, of children that ended, and of those that run."""
+    """Return the CPU time in s of a PostgreSQL: of its main process, of children that ended, and of those
+    that run.
+    """
     main = _times(process)
     return (sum(main) + sum(sum(_times(one)[:2]) for one in children(process))) / TICK
 
@@ -249,10 +293,24 @@ def namespaces(number: int) -> Iterator[None]:
 def machines(addresses: list[str], recorded: Path, given: argparse.Namespace) -> Iterator[None]:
     """Run the workers of each machine."""
     running = []
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"}
+    clean = {
+        k: v for k, v in os.environ.items() if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"
+    }
     for k, url in enumerate(addresses):
-        environment = clean | {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": str(given.workers), "OMP_NUM_THREADS": "1"}
-        command = [sys.executable, "-m", "bench.scale", "--be-workers", str(recorded), "--grading", str(given.grading)]
+        environment = clean | {
+            "POLHODE_DATABASE_URL": url,
+            "POLHODE_WORKERS": str(given.workers),
+            "OMP_NUM_THREADS": "1",
+        }
+        command = [
+            sys.executable,
+            "-m",
+            "bench.scale",
+            "--be-workers",
+            str(recorded),
+            "--grading",
+            str(given.grading),
+        ]
         inside = ["ip", "netns", "exec", cable(k)[0], *command]
         running.append(subprocess.Popen(inside, env=environment, stderr=subprocess.DEVNULL))
     try:

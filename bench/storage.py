@@ -1,7 +1,7 @@
 """Bytes that a submission takes in the database, before and after ``polhode db prune``.
 
-``python -m bench.storage`` grades submissions on a server of its own, opens the figures and motions of each report
-as a browser does, and measures the tables. The backup is that of ``polhode db backup``.
+``python -m bench.storage`` grades submissions on a server of its own, opens the figures and motions of each
+report as a browser does, and measures the tables. The backup is that of ``polhode db backup``.
 """
 
 import argparse
@@ -32,7 +32,9 @@ def main() -> None:
 
 
 def measure(kind: str, name: str, number: int) -> None:
-    """Print the bytes of ``number`` submissions of one kind by table, and those left after each step of pruning."""
+    """Print the bytes of ``number`` submissions of one kind by table, and those left after each step of
+    pruning.
+    """
     with server(workers=os.cpu_count() or 1) as (url, database):
         empty = sizes(database)
         addresses = asyncio.run(send(url, bodies(kind), number))
@@ -43,7 +45,10 @@ def measure(kind: str, name: str, number: int) -> None:
         line(f"{name}: after grading", empty, graded, number)
         line(f"{name}: after {pictures / number:.1f} figures and motions were opened", empty, looked, number)
         print(f"  {name}: backup {backup(database) / number:9.0f}")
-        for what, options in (("prune", ["--older-than", "0"]), ("prune --arrays", ["--older-than", "0", "--arrays"])):
+        for what, options in (
+            ("prune", ["--older-than", "0"]),
+            ("prune --arrays", ["--older-than", "0", "--arrays"]),
+        ):
             print(prune(database, [*options, "--delete"]).rstrip())
             with psycopg.connect(database, autocommit=True) as connection:
                 connection.execute("VACUUM FULL")
@@ -71,7 +76,9 @@ async def look(url: str, addresses: list[str]) -> int:
             report = (await client.get(address, headers=headers)).json()["report"] or {}
             places = [f"{address}/figures/{figure['name']}.svg" for figure in report.get("figures", ())]
             page = await client.get(address.removeprefix("/v1"), headers=headers)
-            places += sorted({part for part in page.text.split('"') if part.endswith(".json") and "/motions/" in part})
+            places += sorted(
+                {part for part in page.text.split('"') if part.endswith(".json") and "/motions/" in part}
+            )
             for place in places:
                 count += (await client.get(place, headers=headers)).status_code == 200
     return count
@@ -79,7 +86,9 @@ async def look(url: str, addresses: list[str]) -> int:
 
 def sizes(database: str) -> dict[str, int]:
     """Return the bytes of every table with its indexes and long values."""
-    query = "SELECT relname, pg_total_relation_size(relid) FROM pg_stat_user_tables WHERE schemaname = 'public'"
+    query = (
+        "SELECT relname, pg_total_relation_size(relid) FROM pg_stat_user_tables WHERE schemaname = 'public'"
+    )
     with psycopg.connect(database, autocommit=True) as connection:
         connection.execute("CHECKPOINT")
         return dict(connection.execute(query).fetchall())
@@ -89,7 +98,11 @@ def line(what: str, before: dict[str, int], after: dict[str, int], number: int) 
     """Print the growth of all tables and of the five that grew most."""
     growth = {name: after[name] - before[name] for name in after}
     largest = sorted(growth, key=growth.__getitem__, reverse=True)[:5]
-    print(f"  {what}: {sum(growth.values()) / number:9.0f}  (" + ", ".join(f"{n} {growth[n] / number:.0f}" for n in largest) + ")")
+    print(
+        f"  {what}: {sum(growth.values()) / number:9.0f}  ("
+        + ", ".join(f"{n} {growth[n] / number:.0f}" for n in largest)
+        + ")"
+    )
 
 
 def backup(database: str) -> int:

@@ -1,9 +1,10 @@
 """A surge of submissions before a deadline on a real server: losses, waits, and the waits that polhode plan
 predicts.
 
-``python -m bench.surge`` takes five minutes on two cores, and ``--notebook`` fifteen. Students send the samples below at
-times drawn as ``polhode plan`` draws them. The waits are read from the database and compared with a simulation of the
-same arrivals and with what ``polhode plan`` predicts. ``--write`` stores the measured grading times for ``polhode plan``.
+``python -m bench.surge`` takes five minutes on two cores, and ``--notebook`` fifteen. Students send the
+samples below at times drawn as ``polhode plan`` draws them. The waits are read from the database and compared
+with a simulation of the same arrivals and with what ``polhode plan`` predicts. ``--write`` stores the
+measured grading times for ``polhode plan``.
 """
 
 import argparse
@@ -34,7 +35,16 @@ from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3
 RIGHT = ("cross", "terms", "roll", "oop", "cross_solve", "einsum_levi_civita", "skew_matrix", "list_return")
-WRONG = ("sign_first", "sign_all", "divisor", "factor_two_all", "shape", "raises", "syntax", "product_all_shifted")
+WRONG = (
+    "sign_first",
+    "sign_all",
+    "divisor",
+    "factor_two_all",
+    "shape",
+    "raises",
+    "syntax",
+    "product_all_shifted",
+)
 NOTEBOOKS = (
     "right_course_notebook.ipynb",
     "right_notebook.ipynb",
@@ -53,7 +63,9 @@ START_S, STOP_S, ANSWER_S = 90.0, 60.0, 60.0
 
 @dataclass(frozen=True)
 class Answer:
-    """The response to one POST: its status or an error's name, the seconds it took, and how late it was sent."""
+    """The response to one POST: its status or an error's name, the seconds it took,
+    and how late it was sent.
+    """
 
     status: int | str
     took_s: float
@@ -78,12 +90,16 @@ def main() -> int:
     """Return 0 if every submission was accepted and graded in the right order."""
     parser = argparse.ArgumentParser(prog="bench.surge", description=__doc__)
     parser.add_argument("--students", type=int, default=300)
-    parser.add_argument("--seconds", type=float, default=120.0, help="seconds before the deadline in which they submit")
+    parser.add_argument(
+        "--seconds", type=float, default=120.0, help="seconds before the deadline in which they submit"
+    )
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--notebook", action="store_true", help="send whole notebooks; default: exercise 2")
     parser.add_argument("--rush", action="store_true", help="submission rate grows towards the deadline")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--most", type=float, default=1800.0, metavar="SECONDS", help="give up after this time")
+    parser.add_argument(
+        "--most", type=float, default=1800.0, metavar="SECONDS", help="give up after this time"
+    )
     parser.add_argument("--write", action="store_true", help=f"store the grading times in {MEASURED.name}")
     arguments = parser.parse_args()
     for how in (signal.SIGINT, signal.SIGTERM):
@@ -91,7 +107,13 @@ def main() -> int:
     minutes = arguments.seconds / 60
     kind = "notebook" if arguments.notebook else "exercise"
     asked = Deadline(
-        arguments.students, minutes, arguments.workers, SUBMISSIONS, arguments.rush, arguments.seed, seconds=measured(kind)
+        arguments.students,
+        minutes,
+        arguments.workers,
+        SUBMISSIONS,
+        arguments.rush,
+        arguments.seed,
+        seconds=measured(kind),
     )
     until = time.monotonic() + arguments.most
     with server(asked.workers) as (url, database):
@@ -106,8 +128,16 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
     """Run a server with ``workers`` warm workers; yield its URL and its database's URL."""
     with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder:
         data, log, port = Path(folder) / "polhode", Path(folder) / "log", free_port()
-        environment = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"}
-        environment |= {"POLHODE_DATA": str(data), "POLHODE_WORKERS": str(workers), "POLHODE_PERSON_HEADER": "Remote-User"}
+        environment = {
+            k: v
+            for k, v in os.environ.items()
+            if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"
+        }
+        environment |= {
+            "POLHODE_DATA": str(data),
+            "POLHODE_WORKERS": str(workers),
+            "POLHODE_PERSON_HEADER": "Remote-User",
+        }
         environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         command = [sys.executable, "-m", "service.cli", "serve", "--port", str(port)]
         with log.open("wb") as stream:
@@ -121,7 +151,11 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
             finally:
                 process.kill()
                 lines = log.read_text(errors="replace").splitlines()
-                print(f"the server ended with {process.poll()} and logged {len(lines)} lines", *lines[-10:], sep="\n  ")
+                print(
+                    f"the server ended with {process.poll()} and logged {len(lines)} lines",
+                    *lines[-10:],
+                    sep="\n  ",
+                )
 
 
 def bodies(kind: str) -> list[dict[str, object]]:
@@ -135,7 +169,9 @@ def bodies(kind: str) -> list[dict[str, object]]:
 
 async def send(url: str, arrivals: Arrivals, choice: list[dict[str, object]], seed: int) -> list[Answer]:
     """Send every submission at its time and return the responses in the same order."""
-    chosen = [choice[k] for k in np.random.default_rng(seed).integers(len(choice), size=len(arrivals.accepted))]
+    chosen = [
+        choice[k] for k in np.random.default_rng(seed).integers(len(choice), size=len(arrivals.accepted))
+    ]
     limits, zero = httpx2.Limits(max_connections=100, max_keepalive_connections=100), time.monotonic()
     async with httpx2.AsyncClient(base_url=url, timeout=ANSWER_S, limits=limits, trust_env=False) as client:
 
@@ -144,26 +180,36 @@ async def send(url: str, arrivals: Arrivals, choice: list[dict[str, object]], se
             headers = {"Remote-User": f"s{person:04}", "Idempotency-Key": f"{person}-{turn}"}
             sent = time.monotonic()
             try:
-                status = (await client.post("/v1/assignments/rigid-body/submissions", json=body, headers=headers)).status_code
+                status = (
+                    await client.post("/v1/assignments/rigid-body/submissions", json=body, headers=headers)
+                ).status_code
             except httpx2.HTTPError as error:
                 status = type(error).__name__
             return Answer(status, time.monotonic() - sent, sent - zero - moment)
 
-        each = zip(arrivals.accepted.tolist(), arrivals.person.tolist(), arrivals.turn.tolist(), chosen, strict=True)
+        each = zip(
+            arrivals.accepted.tolist(), arrivals.person.tolist(), arrivals.turn.tolist(), chosen, strict=True
+        )
         return await asyncio.gather(*(one(*a) for a in each))
 
 
 def results(database: str, accepted: int, until: float) -> list[Row]:
-    """Return every grading in order of acceptance, once ``accepted`` of them have a result, or at ``until``."""
+    """Return every grading in order of acceptance, once ``accepted`` of them have a result,
+    or at ``until``.
+    """
     with psycopg.connect(database, autocommit=True) as connection:
-        while time.monotonic() < until and connection.execute("SELECT count(*) FROM result").fetchone()[0] < accepted:
+        while (
+            time.monotonic() < until
+            and connection.execute("SELECT count(*) FROM result").fetchone()[0] < accepted
+        ):
             time.sleep(1.0)
         return [Row(*row) for row in connection.execute(_ROWS).fetchall()]
 
 
 _ROWS = """
 SELECT p.name, extract(epoch FROM a.requested_at)::float, extract(epoch FROM min(u.started_at))::float,
-    extract(epoch FROM r.finished_at)::float, r.grading_s, r.fault, count(u.id), max(u.worker) FILTER (WHERE u.id = r.run_id)
+    extract(epoch FROM r.finished_at)::float, r.grading_s, r.fault, count(u.id),
+      max(u.worker) FILTER (WHERE u.id = r.run_id)
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN run u ON u.grading_id = a.id
 GROUP BY p.name, a.id, r.grading_id ORDER BY a.requested_at, a.id
@@ -180,13 +226,20 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
     faults = [r.fault for r in rows if r.fault is not None]
     lost = max(len(answers) - len(refused), len(rows)) - len(graded) - len(faults)
     took, late = (np.array([getattr(a, name) for a in answers]) for name in ("took_s", "late_s"))
-    print(f"{asked.students} students, {len(answers)} submissions in {60 * asked.minutes:g} s, {asked.workers} workers")
+    print(
+        f"{asked.students} students, {len(answers)} submissions in {60 * asked.minutes:g} s, {asked.workers}"
+        " workers"
+    )
     print(f"answers other than 200 and 202: {len(refused)} {sorted(set(map(str, refused)))}")
     p50, p99, most = 1e3 * np.quantile(took, [0.5, 0.99, 1.0])
     print(
-        f"accepted after {p50:.0f} ms (p50), {p99:.0f} ms (p99), {most:.0f} ms (max); sent at most {1e3 * late.max():.0f} ms late"
+        f"accepted after {p50:.0f} ms (p50), {p99:.0f} ms (p99), {most:.0f} ms (max); sent at most"
+        f" {1e3 * late.max():.0f} ms late"
     )
-    print(f"sent {len(answers)}, stored {len(rows)}, graded {len(graded)}, faults {len(faults)} {faults[:3]}, lost {lost}")
+    print(
+        f"sent {len(answers)}, stored {len(rows)}, graded {len(graded)}, faults {len(faults)} {faults[:3]},"
+        f" lost {lost}"
+    )
     print(f"graded more than once {sum(r.runs > 1 for r in rows)}")
     if not graded:
         return 1
@@ -194,7 +247,10 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
     arrivals, begun = _arrivals(graded, spent, began), np.array([r.started for r in graded]) - began
     wrong = overtaken(graded)
     thirds = sum(bool(arrivals.turn[k] == 3 and arrivals.turn[other] == 1) for k, other in wrong)
-    print(f"pairs started in the wrong order: {len(wrong)}; of these a third submission before a first: {thirds}")
+    print(
+        f"pairs started in the wrong order: {len(wrong)}; of these a third submission before a first:"
+        f" {thirds}"
+    )
     for k, other in wrong[:3]:
         print(f"  {_times(graded[k], began)} before {_times(graded[other], began)}")
     more = spent.mean() - np.mean([r.grading for r in graded])
@@ -202,7 +258,11 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
     planned = draw(asked)
     for name, which, when in (
         ("measured", arrivals, begun),
-        ("predicted for these arrivals and these grading times", arrivals, start_times(arrivals, asked.workers)),
+        (
+            "predicted for these arrivals and these grading times",
+            arrivals,
+            start_times(arrivals, asked.workers),
+        ),
         ("predicted by polhode plan", planned, start_times(planned, asked.workers)),
     ):
         print(f"\n{name}\n{table(summary(which, when, asked.workers, 60 * asked.minutes))}")
@@ -212,8 +272,8 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
 
 
 def occupied(rows: list[Row]) -> np.ndarray:
-    """Return the time that each submission occupied its worker (n,): its grading, plus the average overhead per
-    job.
+    """Return the time that each submission occupied its worker (n,): its grading, plus the average overhead
+    per job.
 
     The overhead is the time between two starts of a worker beyond grading, where the second submission was
     already waiting.
@@ -222,7 +282,9 @@ def occupied(rows: list[Row]) -> np.ndarray:
     for name in {r.worker for r in rows}:
         own = sorted((r for r in rows if r.worker == name), key=lambda r: r.started)
         more += [b.started - a.started - a.grading for a, b in pairwise(own) if b.requested < a.started]
-    return grading + (np.mean(more) if more else np.median([r.finished - r.started - r.grading for r in rows]))
+    return grading + (
+        np.mean(more) if more else np.median([r.finished - r.started - r.grading for r in rows])
+    )
 
 
 def overtaken(rows: list[Row]) -> list[tuple[int, int]]:
@@ -246,7 +308,8 @@ def _times(row: Row, began: float) -> str:
 def _oldest(rows: list[Row]) -> np.ndarray:
     """Return the time since when each submission has been its student's oldest unfinished one (n,)."""
     return np.array([
-        max([r.requested, *(o.finished for o in rows if o.person == r.person and o.requested < r.requested)]) for r in rows
+        max([r.requested,
+            *(o.finished for o in rows if o.person == r.person and o.requested < r.requested)]) for r in rows
     ])  # fmt: skip
 
 
@@ -263,9 +326,16 @@ def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int)
     while time.monotonic() < until and process.poll() is None:
         time.sleep(0.2)
         try:
-            if httpx2.get(f"{url}/readyz", trust_env=False).status_code == 200 and (database := running_url(data)):
+            if httpx2.get(f"{url}/readyz", trust_env=False).status_code == 200 and (
+                database := running_url(data)
+            ):
                 with psycopg.connect(database) as connection:
-                    if connection.execute("SELECT count(*) FROM worker WHERE isolation IS NOT NULL").fetchone()[0] >= workers:
+                    if (
+                        connection.execute(
+                            "SELECT count(*) FROM worker WHERE isolation IS NOT NULL"
+                        ).fetchone()[0]
+                        >= workers
+                    ):
                         return database
         except httpx2.HTTPError:
             continue
@@ -274,13 +344,20 @@ def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int)
 
 def _write(asked: Deadline, kind: str, seconds: np.ndarray) -> None:
     models = [
-        line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")
+        line.split(":")[1].strip()
+        for line in Path("/proc/cpuinfo").read_text().splitlines()
+        if line.startswith("model name")
     ]
     document = {
         "measured_at": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": f"{(models or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}",
-        "what": f"{WHAT[kind]}, from start to the worker's next start, by bench.surge with {asked.students} students, "
-        f"{60 * asked.minutes:g} s and {asked.workers} workers",
+        "machine": (
+            f"{(models or [platform.machine()])[0]}, {os.cpu_count()} cores, Python"
+            f" {platform.python_version()}"
+        ),
+        "what": (
+            f"{WHAT[kind]}, from start to the worker's next start, by bench.surge with {asked.students}"
+            f" students, {60 * asked.minutes:g} s and {asked.workers} workers"
+        ),
         "seconds": [round(float(s), 4) for s in seconds],
     }
     known = json.loads(MEASURED.read_text()) | {kind: document}

@@ -1,4 +1,6 @@
-"""The documentation site: ``python -m docs.site`` writes the reference from the code and builds all pages in .site/html."""
+"""The documentation site: ``python -m docs.site`` writes the reference from the code and builds all pages in
+.site/html.
+"""
 
 import argparse
 import ast
@@ -48,13 +50,16 @@ def stage(folder: Path) -> None:
 
 
 def _for_the_site(text: str) -> str:
-    """Return a page with links to files of the top folder made those of the site, or plain text if they are no page.
+    """Return a page with links to files of the top folder made those of the site, or plain text if they are
+    no page.
 
     In the code of a table's cell, a bar needs a backslash on GitHub and none here.
     """
     for name, page in BESIDE.items():
         text = re.sub(rf"\]\((?:\.\./)*{re.escape(name)}", f"]({page}", text)
-    text = re.sub(r"(?m)^\|.*$", lambda row: re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), row[0]), text)
+    text = re.sub(
+        r"(?m)^\|.*$", lambda row: re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), row[0]), text
+    )
     return re.sub(r"\[([^\]]*)\]\(\.\./(?!(?:\w+/)?[\w-]+\.(?:md|png|svg))[^)]*\)", r"\1", text)
 
 
@@ -73,11 +78,33 @@ def reference_pages() -> dict[str, str]:
 
 
 GENERATED = "This page is generated from the code by `make docs`.\n"
-PHYSICS = "The physics that polhode compares with: equations, the exact motion, methods and charts, with formulas and sources."
-KIT = "What a notebook imports. [For students](../students.md) explains the calls; this page has every function."
+PHYSICS = (
+    "The physics that polhode compares with: equations, the exact motion, methods and charts, with formulas"
+    " and sources."
+)
+KIT = (
+    "What a notebook imports. [For students](../students.md) explains the calls; this page has every"
+    " function."
+)
 AUTHOR = "What `assignment.py` imports. [For course authors](../authors.md) explains it with examples."
-KIT_MODULES = ("local", "remote", "past_submissions", "identity", "course", "validate", "checks", "draw", "animate", "style")
-AUTHOR_MODULES = ("author", "declared", "assignment", *(f"kinds/{kind}" for kind in ("values", "ode", "stepper", "random")))
+KIT_MODULES = (
+    "local",
+    "remote",
+    "past_submissions",
+    "identity",
+    "course",
+    "validate",
+    "checks",
+    "draw",
+    "animate",
+    "style",
+)
+AUTHOR_MODULES = (
+    "author",
+    "declared",
+    "assignment",
+    *(f"kinds/{kind}" for kind in ("values", "ode", "stepper", "random")),
+)
 AUTHOR_MODULES += tuple(f"kinds/{kind}" for kind in ("variables", "expression", "fit", "animation"))
 
 
@@ -87,7 +114,10 @@ def cli() -> str:
     for name, (module, help) in COMMANDS.items():
         parser = argparse.ArgumentParser(prog=f"polhode {name}", description=help)
         getattr(import_module(f"service.cli.{module}"), f"add_{name.replace('-', '_')}")(parser)
-        sections += [f"## polhode {name}\n", *(f"```text\n{p.format_help()}```\n" for p in _with_subcommands(parser))]
+        sections += [
+            f"## polhode {name}\n",
+            *(f"```text\n{p.format_help()}```\n" for p in _with_subcommands(parser)),
+        ]
     return "\n".join(["# Command line", "", GENERATED, *sections])
 
 
@@ -103,8 +133,18 @@ def settings() -> str:
     """Return the table of all settings."""
     rows = []
     for name, field in Settings.model_fields.items():
-        kind = getattr(field.annotation, "__name__", str(field.annotation)).replace("typing.", "").replace("pathlib._local.", "")
-        default = "number of processors" if name == "workers" else f"`{field.default}`" if field.default != "" else ""
+        kind = (
+            getattr(field.annotation, "__name__", str(field.annotation))
+            .replace("typing.", "")
+            .replace("pathlib._local.", "")
+        )
+        default = (
+            "number of processors"
+            if name == "workers"
+            else f"`{field.default}`"
+            if field.default != ""
+            else ""
+        )
         rows.append((f"`POLHODE_{name.upper()}`", f"`{kind}`", default, text(field.description or "")))
     head = "# All settings\n\n" + GENERATED + "\n[Settings](../settings.md) explains each one.\n"
     return f"{head}\n{table(('variable', 'type', 'default', 'meaning'), rows)}"
@@ -132,7 +172,11 @@ def api() -> str:
     for name, schema in document["components"]["schemas"].items():
         required = schema.get("required", ())
         rows = [
-            (f"`{field}`" + ("" if field in required else "?"), _kind(kind), text(kind.get("description", "")))
+            (
+                f"`{field}`" + ("" if field in required else "?"),
+                _kind(kind),
+                text(kind.get("description", "")),
+            )
             for field, kind in schema.get("properties", {}).items()
         ]
         parts += [f"### {name}", "", text(schema.get("description", "")), ""]
@@ -163,12 +207,24 @@ def _kind(schema: Mapping[str, Any]) -> str:
 def checks() -> str:
     """Return every check of the bundled assignments with its tolerance and the reason."""
     parts = ["# Checks of the bundled assignments", "", GENERATED]
-    parts += ["A hidden check draws its inputs for each grading. [Checks](../checks.md) explains how they are computed.", ""]
+    parts += [
+        (
+            "A hidden check draws its inputs for each grading. [Checks](../checks.md) explains how they are"
+            " computed."
+        ),
+        "",
+    ]
     for assignment in load_catalogue()[0].values():
         parts += [f"## {assignment.slug}: {text(assignment.title)}", ""]
         for exercise in assignment.exercises:
             rows = [
-                (f"`{c.id}`", text(c.label), "hidden" if assignment.hidden(c) else "public", _tolerance(c.tolerance), c.points)
+                (
+                    f"`{c.id}`",
+                    text(c.label),
+                    "hidden" if assignment.hidden(c) else "public",
+                    _tolerance(c.tolerance),
+                    c.points,
+                )
                 for c in exercise.checks
             ]
             parts += [f"### {assignment.slug} {exercise.number}: {text(exercise.title)}", ""]
@@ -177,12 +233,18 @@ def checks() -> str:
 
 
 def _tolerance(tolerance: Any) -> str:
-    numbers = [f"{name} {getattr(tolerance, name):g}" for name in ("rtol", "atol", "limit") if getattr(tolerance, name, None)]
+    numbers = [
+        f"{name} {getattr(tolerance, name):g}"
+        for name in ("rtol", "atol", "limit")
+        if getattr(tolerance, name, None)
+    ]
     return text("; ".join([", ".join(numbers), tolerance.reason] if numbers else [tolerance.reason]))
 
 
 def diagnoses() -> str:
-    """Return for each diagnosis code of a declared mistake the sentences that students read, by assignment."""
+    """Return for each diagnosis code of a declared mistake the sentences that students read,
+    by assignment.
+    """
     section = (ROOT / "docs/checks.md").read_text(encoding="utf-8").split("\n## Diagnosis codes\n")[1]
     meanings = re.findall(r"^\| `([a-z-]+)` \| (.*) \|$", section, re.MULTILINE)
     sentences: dict[str, list[str]] = {}
@@ -190,7 +252,9 @@ def diagnoses() -> str:
         for question in (q for asked in assignment.questions.values() for q in asked):
             for variant in assignment.variants(question["id"]):
                 if variant.declared and variant.code:
-                    sentences.setdefault(variant.code, []).append(f"* {slug} {question['id']}: {text(variant.sentence)}")
+                    sentences.setdefault(variant.code, []).append(
+                        f"* {slug} {question['id']}: {text(variant.sentence)}"
+                    )
     parts = ["# Diagnosis codes by assignment", "", GENERATED]
     parts += ["Below each code are the sentences of the mistakes that an assignment declares.", ""]
     for code, meaning in dict(meanings).items():
@@ -199,7 +263,9 @@ def diagnoses() -> str:
 
 
 def modules(title: str, about: str, package: Path, names: Sequence[str] | None = None) -> str:
-    """Return the public classes and functions of the modules of a package with their docstrings, read without importing them."""
+    """Return the public classes and functions of the modules of a package with their docstrings, read without
+    importing them.
+    """
     every = sorted(path for path in package.rglob("*.py") if not path.stem.startswith("_"))
     files = every if names is None else [package / f"{name}.py" for name in names]
     parts = [f"# {title}", "", GENERATED, about, ""]
@@ -208,8 +274,19 @@ def modules(title: str, about: str, package: Path, names: Sequence[str] | None =
         module = ".".join(file.relative_to(package.parent).with_suffix("").parts)
         parts += [f"## {module}", "", text(ast.get_docstring(tree) or ""), ""]
         for node in tree.body:
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) and not node.name.startswith("_"):
-                parts += [f"### {node.name}", "", "```python", _signature(node), "```", "", text(ast.get_docstring(node) or ""), ""]
+            if isinstance(
+                node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+            ) and not node.name.startswith("_"):
+                parts += [
+                    f"### {node.name}",
+                    "",
+                    "```python",
+                    _signature(node),
+                    "```",
+                    "",
+                    text(ast.get_docstring(node) or ""),
+                    "",
+                ]
     return "\n".join(parts)
 
 
@@ -218,12 +295,16 @@ def _signature(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> s
         returns = f" -> {ast.unparse(node.returns)}" if node.returns else ""
         return f"{node.name}({ast.unparse(node.args)}){returns}"
     fields = [ast.unparse(one) for one in node.body if isinstance(one, ast.AnnAssign)]
-    methods = [_signature(one) for one in node.body if isinstance(one, ast.FunctionDef) and one.name[0] != "_"]
+    methods = [
+        _signature(one) for one in node.body if isinstance(one, ast.FunctionDef) and one.name[0] != "_"
+    ]
     return "\n".join([f"class {node.name}", *(f"    {one}" for one in [*fields, *methods])])
 
 
 def text(plain: str) -> str:
-    """Return a docstring or a label as Markdown: its ``code`` as code, and no other character with a meaning."""
+    """Return a docstring or a label as Markdown: its ``code`` as code,
+    and no other character with a meaning.
+    """
     pieces = re.split(r"(?s)``?(.+?)``?", plain)
     escaped = (re.sub(r"([\\`*_<\[\]|#])", r"\\\1", piece) for piece in pieces[::2])
     code = (f"`{piece}`" for piece in pieces[1::2])
@@ -233,7 +314,10 @@ def text(plain: str) -> str:
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """Return a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(cell).replace("\n", " ") for cell in line) + " |" for line in lines) + "\n"
+    return (
+        "\n".join("| " + " | ".join(str(cell).replace("\n", " ") for cell in line) + " |" for line in lines)
+        + "\n"
+    )
 
 
 if __name__ == "__main__":

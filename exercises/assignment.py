@@ -57,9 +57,10 @@ class HostVerification:
     rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
     ``motion(inputs, ask)`` integrates all of it, or raises ArithmeticError or ValueError if it cannot.
 
-    A motion with drawn inputs is not played if ``bounded(inputs, truth, points, answers)`` returns arrays in its place: the
-    ``answers`` of the certified ``proof``, which is played ``twice``, to the ``points`` that ``along(inputs, rng)`` draws on the
-    exact motion, bound the motion's error. It returns None if they do not.
+    A motion with drawn inputs is not played if ``bounded(inputs, truth, points, answers)`` returns arrays in
+    its place: the ``answers`` of the certified ``proof``, which is played ``twice``, to the ``points`` that
+    ``along(inputs, rng)`` draws on the exact motion, bound the motion's error. It returns None if they do
+    not.
 
     Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` once in the
     sandbox, with a float for a number and float64 arrays for the others, and returns the arrays ``returns``.
@@ -77,7 +78,9 @@ class HostVerification:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A result of a scene: the arguments of all ``calls`` of a function (n, …), what it ``returned`` (n, …), and the ``arrays``."""
+    """A result of a scene: the arguments of all ``calls`` of a function (n, …), what it ``returned`` (n, …),
+    and the ``arrays``.
+    """
 
     calls: NDArray[np.float64]
     returned: NDArray[np.float64]
@@ -86,11 +89,13 @@ class Recording:
 
 @dataclass(eq=False)
 class Recorded:
-    """Results of a scene with fixed inputs for common right functions. A function that repeats one of them need not compute it.
+    """Results of a scene with fixed inputs for common right functions. A function that repeats one of them
+    need not compute it.
 
-    ``make()`` returns the ``recordings``. That takes a while, so a server calls ``prepare`` before it grades, and until then there
-    are none. The play gets their calls as the input ``recorded``, and as ``sample`` what ``sample(recordings, rng)`` draws for each
-    submission: by which calls to recognise them. It returns the number of a recording as ``recorded`` in place of its arrays.
+    ``make()`` returns the ``recordings``. That takes a while, so a server calls ``prepare`` before it grades,
+    and until then there are none. The play gets their calls as the input ``recorded``, and as ``sample`` what
+    ``sample(recordings, rng)`` draws for each submission: by which calls to recognise them. It returns the
+    number of a recording as ``recorded`` in place of its arrays.
     """
 
     make: Callable[[], Sequence[Recording]]
@@ -122,8 +127,8 @@ class Scene:
     ``function`` may also name a variable of the submission, see ``Exercise``. ``play`` may use further names
     of the submission if they are in ``needs``: the scene is played only if all of them are defined.
 
-    The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs run
-    along its rows in their first index.
+    The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs
+    run along its rows in their first index.
 
     ``recorded`` are results of right functions, which a play need not compute.
 
@@ -159,8 +164,8 @@ class Sweep:
 
 
 class PublishedCell(NamedTuple):
-    """A code cell of the students' notebook. ``is_given`` is false for one that the student fills in; ``is_validation`` is true
-    for one that calls ``validate``.
+    """A code cell of the students' notebook. ``is_given`` is false for one that the student fills in;
+    ``is_validation`` is true for one that calls ``validate``.
     """
 
     name: str
@@ -181,14 +186,15 @@ class Assignment:
     None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
     verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
     if that is more than the server's limit: five times as much as the right solution uses. ``data`` names
-    files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv". ``load_s`` is
-    the CPU time in seconds for a submission's cells, if that is more than 10: for each cell, if there are ``published`` ones.
+    files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv".
+    ``load_s`` is the CPU time in seconds for a submission's cells, if that is more than 10: for each cell, if
+    there are ``published`` ones.
 
-    ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right solution and
-    wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right solutions of the
-    questions before it, and ``made_samples`` the samples that follow from the declaration
-    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook. ``published`` are its code cells, if the
-    server runs those that are given in place of the student's copies.
+    ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right
+    solution and wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right
+    solutions of the questions before it, and ``made_samples`` the samples that follow from the declaration
+    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook. ``published`` are its code
+    cells, if the server runs those that are given in place of the student's copies.
     """
 
     slug: str
@@ -200,7 +206,9 @@ class Assignment:
     setup: str
     plays: str
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
-    diagnose_function: Callable[[str, Answers], list[Diagnosis] | None] = field(default=lambda function, answers: None)
+    diagnose_function: Callable[[str, Answers], list[Diagnosis] | None] = field(
+        default=lambda function, answers: None
+    )
     sweeps: tuple[Sweep, ...] = ()
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
@@ -219,7 +227,9 @@ class Assignment:
         if made := next((sample.source for sample in self.made_samples() if sample.right), None):
             return str(made)
         defines = re.compile(rf"^(?:def |class |){re.escape(function)}\b *[(:=]", re.MULTILINE)
-        samples = (path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py")))
+        samples = (
+            path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py"))
+        )
         return next((source for source in samples if defines.search(source)), None)
 
     @property
@@ -255,14 +265,16 @@ class Assignment:
         return [c for e in self.exercises for c in e.checks]
 
     def max_points(self, numbers: Collection[str] | None = None, written: Collection[str] = ()) -> int:
-        """Return the points of the exercises ``numbers`` (default: all), without those of optional functions that are
-        not ``written``.
+        """Return the points of the exercises ``numbers`` (default: all), without those of optional functions
+        that are not ``written``.
         """
         chosen = [e for e in self.exercises if numbers is None or e.number in numbers]
         return points(chosen, self.exercises, written, self.names)
 
     def bonus_points(self, numbers: Collection[str] | None = None) -> int:
-        """Return the points of the optional functions of these exercises (default: all), which ``max_points`` leaves out."""
+        """Return the points of the optional functions of these exercises (default: all), which ``max_points``
+        leaves out.
+        """
         chosen = [c for e in self.exercises if numbers is None or e.number in numbers for c in e.checks]
         return sum(check.points for check in chosen) - self.max_points(numbers)
 
@@ -272,9 +284,13 @@ class Assignment:
         return out_of(self.max_points(), self.bonus_points())
 
     def names(self, scene: str) -> set[str]:
-        """Return the names of a submission that a scene, and those it comes after, cannot be played without."""
+        """Return the names of a submission that a scene, and those it comes after,
+        cannot be played without.
+        """
         found = self.scene(scene)
-        return {found.function, *found.needs} | (self.names(found.after) if found.after is not None else set())
+        return {found.function, *found.needs} | (
+            self.names(found.after) if found.after is not None else set()
+        )
 
     def functions(self) -> set[str]:
         """Return the names of all functions and variables that a student may define."""

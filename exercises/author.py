@@ -58,7 +58,9 @@ def uniform(low: float, high: float, *shape: int) -> Draw:
 
 
 def with_ends(low: float, high: float, *, log: bool = False) -> Draw:
-    """Return a draw of a number from ``low`` to ``high``, each end in a fifth of cases; with ``log`` uniform in its logarithm."""
+    """Return a draw of a number from ``low`` to ``high``, each end in a fifth of cases; with ``log`` uniform
+    in its logarithm.
+    """
 
     def draw(rng: np.random.Generator) -> float:
         part = rng.uniform(-1 / 3, 4 / 3)
@@ -86,7 +88,8 @@ def choice(*values: Any) -> Draw:
 def family(text: str, *over: str, **given: Any) -> Family:
     """Return a function argument: the expression ``text`` over the variables ``over``.
 
-    ``given`` are its parameters: constants, or draws. The expression may use the functions of ``ecp.kinds.asking.MATHEMATICS``.
+    ``given`` are its parameters: constants, or draws. The expression may use the functions of
+    ``ecp.kinds.asking.MATHEMATICS``.
 
     >>> family("E - e*sin(E) - M", "E", M=uniform(0.01, 3.1), e=0.3).over
     ('E',)
@@ -97,7 +100,8 @@ def family(text: str, *over: str, **given: Any) -> Family:
 def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> Mistake:
     """Return a known wrong answer: the right solution with ``old`` replaced by ``new`` in its source.
 
-    ``code`` is a diagnosis code and ``sentence`` says what the student did. Without them the mistake is a sample only.
+    ``code`` is a diagnosis code and ``sentence`` says what the student did. Without them the mistake is a
+    sample only.
     """
     return Mistake(old, new, code, sentence, sys._getframe(1).f_lineno)
 
@@ -105,9 +109,9 @@ def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> 
 def line(label: str, *, truth: Any = None, trust: bool = False, points: int = 1) -> Line:
     """Return a line that a validation cell of the notebook prints, by its ``label`` as the cell writes it.
 
-    The expressions of an f-string stay in braces. The line carries no ``points`` until ``truth`` is the exact value, or a function
-    without parameters that computes it, with which ``validate.close`` then compares; or until ``trust=True`` accepts what the
-    student's code reports.
+    The expressions of an f-string stay in braces. The line carries no ``points`` until ``truth`` is the exact
+    value, or a function without parameters that computes it, with which ``validate.close`` then compares; or
+    until ``trust=True`` accepts what the student's code reports.
     """
     return Line(label, truth, trust, points, sys._getframe(1).f_lineno)
 
@@ -119,13 +123,15 @@ def itself(reason: str) -> Itself:
 
 @dataclass
 class Notebook:
-    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cells.
+    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and
+    the Setup cells.
 
-    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and ``data`` are those of
+    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and
+    ``data`` are those of ``Assignment``.
+
+    For exercises of the author's own (``own_exercise``): ``scenes`` are their scenes, played by functions of
+    plays.py beside the file, and ``diagnose``, ``diagnose_function``, ``codes`` and ``sweep`` are those of
     ``Assignment``.
-
-    For exercises of the author's own (``own_exercise``): ``scenes`` are their scenes, played by functions of plays.py beside the
-    file, and ``diagnose``, ``diagnose_function``, ``codes`` and ``sweep`` are those of ``Assignment``.
     """
 
     title: str
@@ -163,7 +169,11 @@ class Notebook:
 
         The ``hidden`` checks follow its own. They read scenes with drawn inputs.
         """
-        self.sections.append(Section(exercise.number, exercise.title, own=replace(exercise, checks=(*exercise.checks, *hidden))))
+        self.sections.append(
+            Section(
+                exercise.number, exercise.title, own=replace(exercise, checks=(*exercise.checks, *hidden))
+            )
+        )
 
     def questions(self) -> list[Question]:
         """Return the questions of all exercises in order."""
@@ -173,9 +183,14 @@ class Notebook:
         """Return the errors of all questions and of the author's notebook, each with its file."""
         questions = self.questions()
         declared = [error for question in questions for error in question_errors(question)]
-        declared += [error for k, question in enumerate(questions) for error in uses_errors(question, questions[:k])]
+        declared += [
+            error for k, question in enumerate(questions) for error in uses_errors(question, questions[:k])
+        ]
         if self.notebook and self.setup is not None:
-            declared.append(f"line {self.line}: both notebook= and setup= are given: the Setup is the notebook's; remove setup=")
+            declared.append(
+                f"line {self.line}: both notebook= and setup= are given: the Setup is the notebook's; remove"
+                " setup="
+            )
         found = [f"assignment.py {error}" for error in declared]
         try:
             cells = self._cells(folder)
@@ -188,12 +203,16 @@ class Notebook:
         return [*found, *(f"{self.notebook}: {error}" for error in wrong)]
 
     def assignment(self, folder: Path) -> Assignment:
-        """Return the assignment that grading reads, of a declaration without errors. Runs nothing of the author's solutions."""
+        """Return the assignment that grading reads, of a declaration without errors. Runs nothing of the
+        author's solutions.
+        """
         slug, cells = folder.name.replace("_", "-"), self._cells(folder)
         setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
         plays = folder / "plays.py"
         documents = {s.number: tuple(question.document for question in s.questions) for s in self.sections}
-        expanded = [s.own or expand_exercise(s.number, s.title, documents[s.number], True) for s in self.sections]
+        expanded = [
+            s.own or expand_exercise(s.number, s.title, documents[s.number], True) for s in self.sections
+        ]
         given = {"diagnose": self.diagnose, "diagnose_function": self.diagnose_function}
         return Assignment(
             slug=slug,
@@ -202,9 +221,14 @@ class Notebook:
             folder=folder,
             scenes=(*self.scenes, *(scene for question in self.questions() for scene in question.scenes())),
             exercises=tuple(reported_exercises(expanded, cells, self.sections)),
-            published=published_cells(cells, self._names()) if any(section.lines for section in self.sections) else (),
+            published=(
+                published_cells(cells, self._names())
+                if any(section.lines for section in self.sections)
+                else ()
+            ),
             setup=setup,
-            plays=(plays.read_text(encoding="utf-8") if plays.is_file() else "") + (PLAYS if self.questions() else ""),
+            plays=(plays.read_text(encoding="utf-8") if plays.is_file() else "")
+            + (PLAYS if self.questions() else ""),
             packages=self.packages,
             cpu_s=self.cpu_s,
             data=self.data,
@@ -212,7 +236,9 @@ class Notebook:
             codes=self.codes,
             sweeps=(self.sweep,) if self.sweep else self._sweeps(),
             notebook=functools.cache(
-                lambda: publish.published(slug, cells or publish.plain(self.title, setup, self.sections), self.sections)
+                lambda: publish.published(
+                    slug, cells or publish.plain(self.title, setup, self.sections), self.sections
+                )
             ),
             variants=functools.cache(self._variants),
             source_before=lambda id: self._with_source_before(id)[1],
@@ -222,7 +248,9 @@ class Notebook:
         )
 
     def _sweeps(self) -> tuple[Sweep, ...]:
-        """Return the chart of speed against accuracy of each question that has one, with the others of its kind behind it."""
+        """Return the chart of speed against accuracy of each question that has one, with the others of its
+        kind behind it.
+        """
         charted = [(q.sweep, q) for q in self.questions() if q.sweep]
         same = {kind: [q for _, q in charted if q.kind == kind] for kind in {q.kind for _, q in charted}}
         return tuple(sweep([q, *(other for other in same[q.kind] if other is not q)]) for sweep, q in charted)
@@ -237,7 +265,8 @@ class Notebook:
     def _numbered(self) -> list[tuple[str, Question]]:
         return [(section.number, question) for section in self.sections for question in section.questions]
 
-    # The modules of mistakes are imported when they are needed: grading a right submission needs none of them.
+    # The modules of mistakes are imported when they are needed: grading a right submission needs none of
+    # them.
 
     def _made_samples(self, folder: Path) -> "Iterable[MadeSample]":
         from exercises.mistakes import made_samples

@@ -12,7 +12,10 @@ from typing import Any
 
 from ecp.notebook.cells import DEFINITION, python_of, statements_of, without_magics
 
-SOLUTION, INSTALL = "solution", "install"  # tags of cells that students must not see, and that install the kit
+SOLUTION, INSTALL = (
+    "solution",
+    "install",
+)  # tags of cells that students must not see, and that install the kit
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _HEADING = re.compile(r"^(#{1,6})[ \t]+(.+?)[ \t#]*$", re.MULTILINE)
 _SETUP = re.compile(r"[\d.\s]*setup\W*", re.IGNORECASE)
@@ -26,7 +29,9 @@ class InvalidNotebook(ValueError):
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell: ``kind`` is "markdown", "code" or "raw". ``attachments`` are the pictures that its text shows."""
+    """One cell: ``kind`` is "markdown", "code" or "raw". ``attachments`` are the pictures that its text
+    shows.
+    """
 
     kind: str
     source: str
@@ -43,7 +48,11 @@ class Cell:
     @property
     def nodes(self) -> list[ast.AST]:
         """All nodes of the syntax trees of a code cell's statements."""
-        return [node for s in statements_of(self.source) for node in ast.walk(s.node)] if self.kind == "code" else []
+        return (
+            [node for s in statements_of(self.source) for node in ast.walk(s.node)]
+            if self.kind == "code"
+            else []
+        )
 
     def is_solution(self, names: Collection[str]) -> bool:
         """Return whether the cell is tagged as a solution or binds one of the ``names``."""
@@ -64,9 +73,13 @@ def read(path: Path) -> list[Cell]:
         cells = parse(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         missing = isinstance(error, FileNotFoundError)
-        raise InvalidNotebook(f"{path.name} {'is missing' if missing else 'cannot be read as UTF-8 text'}") from error
+        raise InvalidNotebook(
+            f"{path.name} {'is missing' if missing else 'cannot be read as UTF-8 text'}"
+        ) from error
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise InvalidNotebook(f"{path.name} is not a Jupyter notebook (format 4): save it again with Jupyter") from error
+        raise InvalidNotebook(
+            f"{path.name} is not a Jupyter notebook (format 4): save it again with Jupyter"
+        ) from error
     if not any(cell.kind == "code" for cell in cells):
         raise InvalidNotebook(f"{path.name} has no code cells")
     return cells
@@ -78,15 +91,20 @@ def parse(text: str) -> list[Cell]:
 
 
 def written(cells: Sequence[Cell]) -> set[str]:
-    """Return the names that the cells bind, other than definitions with an empty body and variables that are None or ``...``."""
+    """Return the names that the cells bind, other than definitions with an empty body and variables that are
+    None or ``...``.
+    """
     statements = [s for cell in cells if cell.kind == "code" for s in statements_of(cell.source)]
     return {name for s in statements if not _is_empty(s.node) for name in s.names.bound}
 
 
-def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[str, Sequence[str]]) -> Iterator[str]:
+def errors(
+    cells: Sequence[Cell], names: Collection[str], parameters: Mapping[str, Sequence[str]]
+) -> Iterator[str]:
     """Yield the errors of a notebook whose solutions are ``names``, without the file's name.
 
-    ``parameters`` are those of the solutions that are functions. A function of the notebook must have the same.
+    ``parameters`` are those of the solutions that are functions. A function of the notebook must have the
+    same.
     """
     bound = set()
     for number, cell in enumerate((cell for cell in cells if cell.kind == "code"), 1):
@@ -98,16 +116,26 @@ def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[st
                 own = [a.arg for a in (*node.args.posonlyargs, *node.args.args)]
                 if own[: len(expected)] != list(expected):
                     declared = f"{node.name}({', '.join(expected)})"
-                    yield f"code cell {number} defines {node.name}({', '.join(own)}), but assignment.py has {declared}"
+                    yield (
+                        f"code cell {number} defines {node.name}({', '.join(own)}), but assignment.py has"
+                        f" {declared}"
+                    )
     yield from (f"no cell defines {name}" for name in dict.fromkeys(names) if name not in bound)
 
 
 def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
-    """Return the Setup as Python without magics: the code under the heading "Setup", else the code before the first solution.
+    """Return the Setup as Python without magics: the code under the heading "Setup", else the code before the
+    first solution.
 
-    It ends at the next heading of that level and contains neither a solution, one of the ``names``, nor the kit's installation.
+    It ends at the next heading of that level and contains neither a solution, one of the ``names``, nor the
+    kit's installation.
     """
-    marked = [(at, level) for at, cell in enumerate(cells) for level, text in cell.headings if _SETUP.fullmatch(text)]
+    marked = [
+        (at, level)
+        for at, cell in enumerate(cells)
+        for level, text in cell.headings
+        if _SETUP.fullmatch(text)
+    ]
     start, level = marked[0] if marked else (-1, 0)
     taken = []
     for cell in cells[start + 1 :]:
@@ -122,8 +150,14 @@ def with_ids(cells: Sequence[Cell]) -> list[tuple[str, Cell]]:
     used: set[str] = set()
     found = []
     for cell in cells:
-        id = cell.id if _VALID_ID.fullmatch(cell.id) else hashlib.sha256(f"{cell.kind} {cell.source}".encode()).hexdigest()[:8]
-        free = next(name for k in range(1, len(cells) + 1) if (name := f"{id[:58]}-{k}" if k > 1 else id) not in used)
+        id = (
+            cell.id
+            if _VALID_ID.fullmatch(cell.id)
+            else hashlib.sha256(f"{cell.kind} {cell.source}".encode()).hexdigest()[:8]
+        )
+        free = next(
+            name for k in range(1, len(cells) + 1) if (name := f"{id[:58]}-{k}" if k > 1 else id) not in used
+        )
         used.add(free)
         found.append((free, cell))
     return found
@@ -135,7 +169,11 @@ def _cell(cell: Mapping[str, Any]) -> Cell:
     kind, code = str(cell["cell_type"]), cell["cell_type"] == "code"
     if code and source.lstrip("\n").startswith((" ", "\t")):
         source = textwrap.dedent(source)
-    shown = {name: picture for name, picture in cell.get("attachments", {}).items() if f"attachment:{name}" in source}
+    shown = {
+        name: picture
+        for name, picture in cell.get("attachments", {}).items()
+        if f"attachment:{name}" in source
+    }
     tags = tuple(map(str, cell.get("metadata", {}).get("tags", ())))
     return Cell(kind, source, str(cell.get("id", "")), tags, {} if code else shown)
 
@@ -145,7 +183,9 @@ def _is_empty(node: ast.AST) -> bool:
         return all(map(_is_empty, node.body))
     value = node.value if isinstance(node, ast.Expr | ast.Assign) else None
     text = isinstance(node, ast.Expr) and isinstance(value, ast.Constant)
-    return text or isinstance(node, ast.Pass) or (isinstance(value, ast.Constant) and value.value in (None, ...))
+    return (
+        text or isinstance(node, ast.Pass) or (isinstance(value, ast.Constant) and value.value in (None, ...))
+    )
 
 
 def _syntax_error(source: str) -> str:

@@ -28,7 +28,10 @@ def folders() -> list[Path]:
 def is_taken(slug: str) -> bool:
     """Return whether an assignment or a module of this folder has that name."""
     name = slug.replace("-", "_")
-    return name in [folder.name for folder in folders()] or importlib.util.find_spec(f"exercises.{name}") is not None
+    return (
+        name in [folder.name for folder in folders()]
+        or importlib.util.find_spec(f"exercises.{name}") is not None
+    )
 
 
 def default_folder() -> Path | None:
@@ -57,13 +60,15 @@ def slug_of(folder: Path) -> str:
 
 
 def load(folder: Path) -> tuple[Any, list[str]]:
-    """Import the folder as a part of ``exercises`` and return the assignment that its assignment.py declares, or
-    None and all errors that prevent it.
+    """Import the folder as a part of ``exercises`` and return the assignment that its assignment.py declares,
+    or None and all errors that prevent it.
     """
     errors = [] if (folder / DECLARATION).is_file() else [f"{DECLARATION} is missing"]
     if not folder.is_dir():
         errors = [f"there is no folder {folder}"]
-    if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
+    if not (
+        folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")
+    ):
         rule = "use lower-case letters from a to z, digits, and _ between them"
         errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
     if errors := errors or _taken(folder):
@@ -74,7 +79,9 @@ def load(folder: Path) -> tuple[Any, list[str]]:
         if errors := syntax_errors(folder):
             return None, errors
         raise
-    own = [module for name, module in list(sys.modules.items()) if name.startswith(f"exercises.{folder.name}.")]
+    own = [
+        module for name, module in list(sys.modules.items()) if name.startswith(f"exercises.{folder.name}.")
+    ]
     if errors := syntax_errors(folder, [str(module.__file__) for module in own]):
         return None, errors
     notebooks = [value for value in declared if isinstance(value, Notebook)]
@@ -88,18 +95,24 @@ def discover(named: Path) -> list[Path]:
     """Return the assignment that a folder is, or every assignment in it. A folder that does not exist is
     returned itself.
     """
-    if not named.is_dir() or any((named / file).is_file() for file in (DECLARATION, "__init__.py", "plays.py")):
+    if not named.is_dir() or any(
+        (named / file).is_file() for file in (DECLARATION, "__init__.py", "plays.py")
+    ):
         return [named]
     return sorted(path.parent for path in named.glob(f"*/{DECLARATION}"))
 
 
 def _here() -> list[Path]:
     """Return the folders of assignments in this package."""
-    return sorted({path.parent for root in exercises.__path__ for path in Path(root).glob(f"*/{DECLARATION}")})
+    return sorted(
+        {path.parent for root in exercises.__path__ for path in Path(root).glob(f"*/{DECLARATION}")}
+    )
 
 
 def _named() -> list[Path]:
-    return [Path(part).expanduser().resolve() for part in os.environ.get(SETTING, "").split(os.pathsep) if part]
+    return [
+        Path(part).expanduser().resolve() for part in os.environ.get(SETTING, "").split(os.pathsep) if part
+    ]
 
 
 def _taken(folder: Path) -> list[str]:
@@ -136,8 +149,8 @@ def assignments() -> dict[str, Assignment]:
 
 
 def find(slug: str) -> Assignment:
-    """Return the assignment of that slug or folder name, and load no other. Raises InvalidAssignment if it is invalid, NoAssignment
-    if there is none.
+    """Return the assignment of that slug or folder name, and load no other. Raises InvalidAssignment if it is
+    invalid, NoAssignment if there is none.
     """
     slug = slug.replace("_", "-")
     for folder in selected():
@@ -147,17 +160,21 @@ def find(slug: str) -> Assignment:
     if slug in invalid:
         raise invalid[slug]
     known = ", ".join(sorted(valid)) or "none"
-    raise NoAssignment(f"there is no assignment {slug}; known: {known}; name the folder of another one in {SETTING}")
+    raise NoAssignment(
+        f"there is no assignment {slug}; known: {known}; name the folder of another one in {SETTING}"
+    )
 
 
 @functools.cache
 def load_catalogue() -> Catalogue:
-    """Load each package in this folder and each that POLHODE_ASSIGNMENTS names, or of these the slugs in POLHODE_COURSE, in
-    their order. An invalid one does not affect the others.
+    """Load each package in this folder and each that POLHODE_ASSIGNMENTS names, or of these the slugs in
+    POLHODE_COURSE, in their order. An invalid one does not affect the others.
     """
     loaded = [(slug_of(folder), _load(folder)) for folder in selected()]
     absent = set(_chosen()) - {slug for slug, _ in loaded}
-    invalid = {slug: InvalidAssignment(slug, [f"{COURSE} names it, but it does not exist"]) for slug in absent}
+    invalid = {
+        slug: InvalidAssignment(slug, [f"{COURSE} names it, but it does not exist"]) for slug in absent
+    }
     invalid.update((slug, error) for slug, error in loaded if isinstance(error, InvalidAssignment))
     return Catalogue({slug: found for slug, found in loaded if isinstance(found, Assignment)}, invalid)
 
@@ -167,9 +184,15 @@ def _chosen() -> list[str]:
 
 
 def selected() -> list[Path]:
-    """Return the folders of the course's assignments in its order, all folders if POLHODE_COURSE is not set."""
+    """Return the folders of the course's assignments in its order,
+    all folders if POLHODE_COURSE is not set.
+    """
     found, order = folders(), {slug: k for k, slug in enumerate(_chosen())}
-    return sorted([one for one in found if slug_of(one) in order], key=lambda one: order[slug_of(one)]) if order else found
+    return (
+        sorted([one for one in found if slug_of(one) in order], key=lambda one: order[slug_of(one)])
+        if order
+        else found
+    )
 
 
 @functools.cache

@@ -27,7 +27,9 @@ class _Short(reprlib.Repr):
 SHORT = _Short()
 SHORT.maxother = SHORT.maxstring = 90
 Draw = Callable[..., Any]
-"""A function of a random generator, and of ``row`` if it has such a parameter: the number of the input, from 0."""
+"""A function of a random generator, and of ``row`` if it has such a parameter: the number of the input, from
+0.
+"""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,9 @@ class Rule:
 
 
 def is_numeric(value: Any, kinds: str = "fiu") -> bool:
-    """Return whether a value is a finite number or a non-empty array of them, of a dtype of these ``kinds``."""
+    """Return whether a value is a finite number or a non-empty array of them,
+    of a dtype of these ``kinds``.
+    """
     array = np.asarray(value)
     return array.dtype.kind in kinds and array.size > 0 and bool(np.all(np.isfinite(array)))
 
@@ -54,14 +58,19 @@ def is_numeric(value: Any, kinds: str = "fiu") -> bool:
 Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
 Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
 Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
-Numbers = Annotated[Any, Rule("a finite number or an array of such numbers", lambda a: is_numeric(a, "fiubc"))]
+Numbers = Annotated[
+    Any, Rule("a finite number or an array of such numbers", lambda a: is_numeric(a, "fiubc"))
+]
 Text = Annotated[str, Rule("a text that is not empty", str.strip)]
 Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
 Named = Annotated[
     Callable[..., Any],
     Rule(
         "a function whose parameters have names",
-        lambda f: all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(f).parameters.values()),
+        lambda f: all(
+            p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)
+            for p in inspect.signature(f).parameters.values()
+        ),
     ),
 ]
 Points = Annotated[int, Rule(f"an integer from 1 to {MOST_POINTS}", lambda n: 1 <= n <= MOST_POINTS)]
@@ -71,12 +80,16 @@ Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", l
 Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
 
 
-Asked = Annotated[Any, Rule("a real number, a string, or an array of them", lambda a: np.asarray(a).dtype.kind in ARGUMENTS)]
+Asked = Annotated[
+    Any, Rule("a real number, a string, or an array of them", lambda a: np.asarray(a).dtype.kind in ARGUMENTS)
+]
 
 
 @dataclass(frozen=True)
 class Family:
-    """A function argument: an expression ``text`` over some variables, with parameters that are constant or drawn."""
+    """A function argument: an expression ``text`` over some variables, with parameters that are constant or
+    drawn.
+    """
 
     text: Expression
     over: tuple[str, ...]
@@ -90,7 +103,8 @@ Ask = Annotated[Mapping[str, Family | Draw | Asked], Rule("a dict of arguments b
 class Mistake:
     """A known wrong answer: ``old`` in the right solution's source replaced by ``new``.
 
-    With a ``code`` it is a diagnosis, whose ``sentence`` says what the student did. ``line`` is its place in the declaration.
+    With a ``code`` it is a diagnosis, whose ``sentence`` says what the student did. ``line`` is its place in
+    the declaration.
     """
 
     old: str
@@ -113,10 +127,11 @@ class Itself:
 
 @dataclass(frozen=True)
 class Value:
-    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to`` (ecp.kinds.alignment).
+    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to``
+    (ecp.kinds.alignment).
 
-    ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns the points times the
-    fraction of inputs that are right, rounded down.
+    ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns
+    the points times the fraction of inputs that are right, rounded down.
     """
 
     tolerance: Tolerance
@@ -126,16 +141,32 @@ class Value:
     partial: bool = False
 
 
-Agree = Tolerance | Value | Annotated[Mapping[str, Tolerance | Value], Rule("a dict of them for several values", bool)]
+Agree = (
+    Tolerance
+    | Value
+    | Annotated[Mapping[str, Tolerance | Value], Rule("a dict of them for several values", bool)]
+)
 """A tolerance, or one with its label and points, of a single value, or those of several values by name."""
 Truth = Named | Itself
-LimitOrValue = Limit | Annotated[Value, Rule("Value(Tolerance(limit=…))", lambda v: getattr(v.tolerance, "limit", 0) is not None)]
+LimitOrValue = (
+    Limit
+    | Annotated[
+        Value, Rule("Value(Tolerance(limit=…))", lambda v: getattr(v.tolerance, "limit", 0) is not None)
+    ]
+)
 
 
 def named_values(agree: Agree, label: str | None = None, **of_one: Any) -> dict[str, Value]:
-    """Return the values that a question agrees on by name; a single one, with the other arguments of Value, is "value"."""
-    if not isinstance(agree, Tolerance) and (label or of_one.get("up_to") or of_one.get("partial") or of_one.get("points", 1) != 1):
-        raise ValueError("label=, up_to=, points= and partial= are for a single Tolerance: give them to each Value(…) instead")
+    """Return the values that a question agrees on by name; a single one, with the other arguments of Value,
+    is "value".
+    """
+    if not isinstance(agree, Tolerance) and (
+        label or of_one.get("up_to") or of_one.get("partial") or of_one.get("points", 1) != 1
+    ):
+        raise ValueError(
+            "label=, up_to=, points= and partial= are for a single Tolerance: give them to each Value(…)"
+            " instead"
+        )
     if isinstance(agree, Mapping):
         return {name: value if isinstance(value, Value) else Value(value) for name, value in agree.items()}
     return {"value": agree if isinstance(agree, Value) else Value(agree, label, **of_one)}
@@ -147,7 +178,9 @@ def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
 
 
 def type_errors(name: str, value: Any, hint: Any) -> Iterator[str]:
-    """Yield what a value, or a part of it, is and what its type ``hint`` requires, as sentences; and the errors of tolerances."""
+    """Yield what a value, or a part of it, is and what its type ``hint`` requires, as sentences; and the
+    errors of tolerances.
+    """
     options = typing.get_args(hint) if typing.get_origin(hint) in UNIONS else (hint,)
     parts = next((parts for one in options if (parts := _parts(value, one)) is not None), None)
     if parts is None:
@@ -166,7 +199,9 @@ def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
         yield "the tolerance has no number: give rtol, atol or limit"
     if tolerance.limit is not None and len(numbers) > 1:
         yield "the tolerance has limit beside rtol or atol: give one or the other"
-    if any(not (isinstance(number, int | float) and number >= 0 and math.isfinite(number)) for number in numbers):
+    if any(
+        not (isinstance(number, int | float) and number >= 0 and math.isfinite(number)) for number in numbers
+    ):
         yield "a tolerance must be a finite number ≥ 0"
     if not tolerance.reason.strip():
         yield "the tolerance has no reason"
@@ -179,20 +214,29 @@ def _split(hint: Any) -> tuple[Any, tuple[Any, ...], list[Rule]]:
 
 
 def _parts(value: Any, hint: Any) -> list[tuple[str, Any, Any]] | None:
-    """Return the parts of a value, each with its place and type hint, or None if the value is of another class or breaks a rule."""
+    """Return the parts of a value, each with its place and type hint, or None if the value is of another
+    class or breaks a rule.
+    """
     kind, of, rules = _split(hint)
     parts: list[tuple[str, Any, Any]] | None = None
     if kind is Mapping and isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
         parts = [(f": {name}", part, of[1]) for name, part in value.items()]
     elif kind in (tuple, Sequence) and isinstance(value, tuple | list):
         each = [of[0]] * len(value) if kind is Sequence or ... in of else of
-        parts = [(f"[{k}]", *part) for k, part in enumerate(zip(value, each, strict=True))] if len(each) == len(value) else None
+        parts = (
+            [(f"[{k}]", *part) for k, part in enumerate(zip(value, each, strict=True))]
+            if len(each) == len(value)
+            else None
+        )
     elif kind is Any or (kind is Callable and callable(value)):
         parts = []
     elif kind in (int, float):
         parts = [] if isinstance(value, int | kind) and not isinstance(value, bool) else None
     elif kind not in (Mapping, tuple, Sequence, Callable) and isinstance(value, kind):
-        parts = [(f": {name}", getattr(value, name), one) for name, one in typing.get_type_hints(kind, include_extras=True).items()]
+        parts = [
+            (f": {name}", getattr(value, name), one)
+            for name, one in typing.get_type_hints(kind, include_extras=True).items()
+        ]
     return parts if parts is not None and all(rule.holds(value) for rule in rules) else None
 
 
@@ -204,11 +248,20 @@ def _text(hint: Any) -> str:
     if kind in UNIONS:
         return " or ".join(_text(one) for one in of if one is not NoneType)
     if kind in (tuple, Sequence):
-        return f"a list of {_text(of[0])}" if kind is Sequence or ... in of else f"({', '.join(map(_text, of))})"
+        return (
+            f"a list of {_text(of[0])}" if kind is Sequence or ... in of else f"({', '.join(map(_text, of))})"
+        )
     if kind is Mapping:
         return f"a dict of {_text(of[1])}"
     return f"{kind.__name__ if kind in (Tolerance, Value) else kind.__name__.lower()}(…)"
 
 
 UNIONS = (typing.Union, UnionType)
-WORDS = {Callable: "a function", str: "a string", int: "an integer", float: "a number", bool: "True or False", Any: "anything"}
+WORDS = {
+    Callable: "a function",
+    str: "a string",
+    int: "an integer",
+    float: "a number",
+    bool: "True or False",
+    Any: "anything",
+}

@@ -1,4 +1,6 @@
-"""What the code of a published notebook needs besides itself: distributions, the course's own modules, data files."""
+"""What the code of a published notebook needs besides itself: distributions, the course's own modules, data
+files.
+"""
 
 import ast
 import importlib.metadata
@@ -17,18 +19,26 @@ DATA_FILE = re.compile(r"(?!\.)[\w\-. ]+\.(csv|txt|dat|tsv|npy|npz|json|h5|fits)
 AVAILABLE = {"ecp", "numpy", "scipy", "matplotlib", "mpl_toolkits"}
 
 
-def dependencies(cells: Sequence[Cell], folder: Path, course: Path | None) -> tuple[list[str], dict[str, bytes], list[str]]:
-    """Return what the code cells import and read: the packages to name in the declaration, the files that belong beside it by name,
-    and warnings about what is missing. Data files are those in ``folder`` that the code names.
+def dependencies(
+    cells: Sequence[Cell], folder: Path, course: Path | None
+) -> tuple[list[str], dict[str, bytes], list[str]]:
+    """Return what the code cells import and read: the packages to name in the declaration, the files that
+    belong beside it by name, and warnings about what is missing. Data files are those in ``folder`` that the
+    code names.
 
-    ``course`` is a folder with modules that the notebooks of the course import as ``ecp.NAME``; those that the kit lacks, or that
-    replace a module of the kit, become files of the assignment, with the modules that they import.
+    ``course`` is a folder with modules that the notebooks of the course import as ``ecp.NAME``; those that
+    the kit lacks, or that replace a module of the kit, become files of the assignment, with the modules that
+    they import.
     """
     nodes, own = [node for cell in cells for node in cell.nodes], set[str]()
     texts = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
     named = sorted(text for text in texts if DATA_FILE.fullmatch(text))
     files = {name: (folder / name).read_bytes() for name in named if (folder / name).is_file()}
-    warnings = [f"{name} is not beside the notebook: the cells that read it fail" for name in named if name not in files]
+    warnings = [
+        f"{name} is not beside the notebook: the cells that read it fail"
+        for name in named
+        if name not in files
+    ]
     warnings += _aliases(nodes)
     while course and (added := _own(_imported(nodes), course) - own):
         for name in sorted(added):
@@ -37,10 +47,16 @@ def dependencies(cells: Sequence[Cell], folder: Path, course: Path | None) -> tu
         own |= added
     imported = _imported(nodes)
     absent = sorted(name for name in imported - {f"ecp.{name}" for name in own} if _is_missing(name))
-    remedy = "the cells that import it fail" if course else "name the folder of the course's modules with --modules"
+    remedy = (
+        "the cells that import it fail"
+        if course
+        else "name the folder of the course's modules with --modules"
+    )
     warnings += [f"the kit has no {name}: {remedy}" for name in absent]
     known, packages = importlib.metadata.packages_distributions(), set[str]()
-    for name in sorted({module.split(".")[0] for module in imported} - AVAILABLE - set(sys.stdlib_module_names)):
+    for name in sorted(
+        {module.split(".")[0] for module in imported} - AVAILABLE - set(sys.stdlib_module_names)
+    ):
         if name in known:
             packages.add(known[name][0])
         else:
@@ -49,7 +65,9 @@ def dependencies(cells: Sequence[Cell], folder: Path, course: Path | None) -> tu
 
 
 def _imported(nodes: Sequence[ast.AST]) -> set[str]:
-    """Return the modules, and the names of ``ecp``, that the code imports. Relative imports are those of a module of ``ecp``."""
+    """Return the modules, and the names of ``ecp``, that the code imports. Relative imports are those of a
+    module of ``ecp``.
+    """
     found = set[str]()
     for node in nodes:
         if isinstance(node, ast.Import):
@@ -63,7 +81,11 @@ def _imported(nodes: Sequence[ast.AST]) -> set[str]:
 def _own(modules: set[str], course: Path) -> set[str]:
     """Return the names of the modules in ``course`` that stand for these ``modules``."""
     names = {module.split(".")[1] for module in modules if module.startswith("ecp.")}
-    return {name for name in names if (name in REPLACEABLE or _is_missing(f"ecp.{name}")) and (course / f"{name}.py").is_file()}
+    return {
+        name
+        for name in names
+        if (name in REPLACEABLE or _is_missing(f"ecp.{name}")) and (course / f"{name}.py").is_file()
+    }
 
 
 def _is_missing(module: str) -> bool:
@@ -78,4 +100,7 @@ def _aliases(nodes: Sequence[ast.AST]) -> Iterator[str]:
             if (node.module, name.name) == ("ecp", "validate") and name.asname not in (None, "validate"):
                 yield f"the notebook calls validate {name.asname}: calls under that name are not taken over"
             elif node.module == "ecp.validate":
-                yield f"the notebook imports validate.{name.name} by its own name: calls under it are not taken over"
+                yield (
+                    f"the notebook imports validate.{name.name} by its own name: calls under it are not taken"
+                    " over"
+                )

@@ -12,13 +12,22 @@ from typing import Any
 
 import numpy as np
 
-OPERATORS = (("Add", "add"), ("Sub", "sub"), ("Mult", "mul"), ("Div", "truediv"), ("Pow", "pow"), ("MatMult", "matmul"))
+OPERATORS = (
+    ("Add", "add"),
+    ("Sub", "sub"),
+    ("Mult", "mul"),
+    ("Div", "truediv"),
+    ("Pow", "pow"),
+    ("MatMult", "matmul"),
+)
 ARITHMETIC = {getattr(ast, node): getattr(operator, name) for node, name in OPERATORS}
 FUNCTIONS = {name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "abs")}
 
 
 def fingerprint(source: str) -> str:
-    """Return a text that is equal for two sources that differ only by rules of arithmetic. Raises SyntaxError."""
+    """Return a text that is equal for two sources that differ only by rules of arithmetic. Raises
+    SyntaxError.
+    """
     with np.errstate(all="ignore"):
         return ast.dump(_Values().visit(ast.parse(source)))
 
@@ -31,7 +40,11 @@ class _Values(ast.NodeTransformer):
 
     def visit(self, node: ast.AST) -> Any:
         stored = isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
-        return ast.Constant(_text(self.of(node))) if isinstance(node, ast.expr) and not stored else self.generic_visit(node)
+        return (
+            ast.Constant(_text(self.of(node)))
+            if isinstance(node, ast.expr) and not stored
+            else self.generic_visit(node)
+        )
 
     def of(self, node: Any) -> Any:  # noqa: PLR0911
         """Return the value of an expression, complex (2, 2)."""
@@ -42,15 +55,21 @@ class _Values(ast.NodeTransformer):
                 return -self.of(operand)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in ARITHMETIC:
                 return ARITHMETIC[type(op)](self.of(left), self.of(right))
-            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=[argument], keywords=[]) if name in FUNCTIONS:
+            case ast.Call(
+                func=ast.Name(id=name) | ast.Attribute(attr=name), args=[argument], keywords=[]
+            ) if name in FUNCTIONS:
                 return FUNCTIONS[name](self.of(argument)) + 0j
             case ast.Attribute(value=value, attr="T"):
                 return self.of(value).T
-            case ast.Compare(left=left, ops=[ast.Lt() | ast.LtE() | ast.Gt() | ast.GtE() as op], comparators=[right]):
+            case ast.Compare(
+                left=left, ops=[ast.Lt() | ast.LtE() | ast.Gt() | ast.GtE() as op], comparators=[right]
+            ):
                 less = (self.of(right) - self.of(left)) * (1 if isinstance(op, ast.Lt | ast.LtE) else -1)
                 return _random(isinstance(op, ast.LtE | ast.GtE), _text(less / np.abs(less).max()))
         text = ast.dump(self.generic_visit(node))
-        self.calls[text] += isinstance(node, ast.Call)  # two equal calls may return two values, as of a random generator
+        self.calls[text] += isinstance(
+            node, ast.Call
+        )  # two equal calls may return two values, as of a random generator
         return _random(text, self.calls[text])
 
 

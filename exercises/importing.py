@@ -1,4 +1,6 @@
-"""An assignment from a published notebook whose validation cells call ``validate``: every line self-reported."""
+"""An assignment from a published notebook whose validation cells call ``validate``:
+every line self-reported.
+"""
 
 import ast
 import re
@@ -41,8 +43,8 @@ LONGEST = 40  # characters of an argument in a comment
 
 
 class Imported(NamedTuple):
-    """The text of assignment.py, the number of validation calls taken over, each of the others as a sentence, and the data
-    ``files`` and modules that the cells read, by name.
+    """The text of assignment.py, the number of validation calls taken over, each of the others as a sentence,
+    and the data ``files`` and modules that the cells read, by name.
     """
 
     slug: str
@@ -64,12 +66,19 @@ def imported(path: Path, course: Path | None = None) -> Imported:
     placed = list(placed_calls(cells, published_cells(cells, ())))
     taken = [one for one in placed if one.call.label and not one.call.in_function]
     if not taken:
-        raise InvalidNotebook(f"{path.name} has no cell that calls validate.close, check, conserved, positive or below")
+        raise InvalidNotebook(
+            f"{path.name} has no cell that calls validate.close, check, conserved, positive or below"
+        )
     why = {True: "the call is inside a function", False: "the call has no label"}
-    left = [f"{p.cell.name}, line {p.call.place[0]}: {why[p.call.in_function]}" for p in placed if p not in taken]
+    left = [
+        f"{p.cell.name}, line {p.call.place[0]}: {why[p.call.in_function]}" for p in placed if p not in taken
+    ]
     packages, files, warnings = dependencies(cells, path.parent, course)
     if not any(SOLUTION in cell.tags for cell in cells):
-        warnings.append(f"no cell is tagged {SOLUTION}: the server then runs every cell that contains code as it is published")
+        warnings.append(
+            f"no cell is tagged {SOLUTION}: the server then runs every cell that contains code as it is"
+            " published"
+        )
     text = HEAD.format(
         title=title,
         file=path.name,
@@ -100,7 +109,9 @@ def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
         used.add(number)
         yield f"\nnotebook.exercise(\n    {quoted(number)},\n    {quoted(title)},\n"
         for placed in run:
-            got, expected = (text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments)
+            got, expected = (
+                text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments
+            )
             hint = HINTS[placed.call.kind].format(got=got, expected=expected or "the expected value")
             yield f"    # validate.{placed.call.kind}: {hint}\n    line({quoted(placed.call.label)}),\n"
         yield ")\n"

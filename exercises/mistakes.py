@@ -1,4 +1,6 @@
-"""What follows from the mistakes of a declaration: variants of the right solution that predict numbers, and samples."""
+"""What follows from the mistakes of a declaration: variants of the right solution that predict numbers, and
+samples.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,9 +17,14 @@ from exercises.validation_cells import LINE
 
 
 def variants_of(question: Question, before: str) -> list[Variant]:
-    """Return the right solution itself, then each mistake and each one-place change of it, behind the source ``before``."""
+    """Return the right solution itself, then each mistake and each one-place change of it, behind the source
+    ``before``.
+    """
     right = question.source
-    declared = [Variant("", "", right), *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes)]
+    declared = [
+        Variant("", "", right),
+        *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes),
+    ]
     made = [*(replace(v, declared=True) for v in declared), *variants(right)]
     return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
 
@@ -27,10 +34,11 @@ UNSEEN = "every check is ✓: the mistake changes nothing that the checks see"
 
 @dataclass(frozen=True)
 class MadeSample:
-    """A sample made from the declaration: all right solutions, those up to one question with one of its mistakes, or the author's
-    notebook.
+    """A sample made from the declaration: all right solutions, those up to one question with one of its
+    mistakes, or the author's notebook.
 
-    ``ask`` are its exercises. A wrong sample fails at least one check, and its report has ``code``, if the mistake has one.
+    ``ask`` are its exercises. A wrong sample fails at least one check, and its report has ``code``, if the
+    mistake has one.
     """
 
     name: str
@@ -47,7 +55,9 @@ class MadeSample:
     def unexpected(self, report: Mapping[str, Any]) -> list[str]:
         """Return the differences of a report, as JSON, from the expected one, one sentence each."""
         outcomes = [o for e in report["exercises"] for o in e["outcomes"]]
-        outcomes = [o for o in outcomes if LINE not in o["id"]]  # a sample of functions has no validation cells
+        outcomes = [
+            o for o in outcomes if LINE not in o["id"]
+        ]  # a sample of functions has no validation cells
         failed = [o["id"] for o in outcomes if o["verdict"] != Verdict.PASS]
         if self.right:
             return [f"{id} is not ✓" for id in failed]
@@ -57,11 +67,14 @@ class MadeSample:
         return [f"the diagnosis is {found}, not {self.code}"] if self.code and found != self.code else []
 
 
-def made_samples(questions: Sequence[tuple[str, Question]], notebook: Path | None = None) -> Iterator[MadeSample]:
+def made_samples(
+    questions: Sequence[tuple[str, Question]], notebook: Path | None = None
+) -> Iterator[MadeSample]:
     """Yield the sample of all right solutions, the author's ``notebook``, and a sample for each mistake.
 
-    ``questions`` are those of each exercise's number. The notebook is a sample of the exercises that it solves. A sample of a
-    mistake has the right solutions of the questions before it and of the others of its exercise.
+    ``questions`` are those of each exercise's number. The notebook is a sample of the exercises that it
+    solves. A sample of a mistake has the right solutions of the questions before it and of the others of its
+    exercise.
     """
     numbers = tuple(dict.fromkeys(number for number, _ in questions))
     yield MadeSample("right_all.py", source_before(questions, len(questions)), numbers, right=True)
@@ -75,7 +88,9 @@ def made_samples(questions: Sequence[tuple[str, Question]], notebook: Path | Non
             others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
             source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
             about = (mistake.code or "no_code").replace("-", "_")
-            yield MadeSample(f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code)
+            yield MadeSample(
+                f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code
+            )
 
 
 def source_before(questions: Sequence[tuple[str, Question]], k: int) -> str:

@@ -11,8 +11,24 @@ from exercises.equivalence import fingerprint
 from exercises.solution import PRODUCT, SUM, Solution, Variant, called, is_operation
 
 CODES = (
-    *("sign-flipped", "missing-term", "wrong-index", "missing-brackets", "constant-factor", "missing-division", "wrong-divisor"),
-    *("wrong-power", "wrong-function", "swapped-arguments", "missing-argument", "off-by-one", "wrong-option", "wrong-operator"),
+    *(
+        "sign-flipped",
+        "missing-term",
+        "wrong-index",
+        "missing-brackets",
+        "constant-factor",
+        "missing-division",
+        "wrong-divisor",
+    ),
+    *(
+        "wrong-power",
+        "wrong-function",
+        "swapped-arguments",
+        "missing-argument",
+        "off-by-one",
+        "wrong-option",
+        "wrong-operator",
+    ),
     *("wrong-comparison", "component-order", "transposed", "wrong-constant", "wrong-variable"),
 )
 """The diagnosis codes of variants, described in docs/checks.md."""
@@ -31,7 +47,8 @@ Rule = Callable[[Solution, Any], Iterator[Variant]]
 def variants(source: str) -> list[Variant]:
     """Return the wrong versions of a solution in the order of its lines.
 
-    No version equals the source or another version up to rules of arithmetic; of equal ones the most common mistake stays.
+    No version equals the source or another version up to rules of arithmetic; of equal ones the most common
+    mistake stays.
 
     Raises SyntaxError if the source is not valid Python.
     """
@@ -44,13 +61,20 @@ def variants(source: str) -> list[Variant]:
 
 CLASSES: Mapping[str, Callable[[Solution, Any], bool]] = {
     "F": lambda s, node: not is_operation(node, *PRODUCT) and not isinstance(node, ast.UnaryOp),
-    "H": lambda s, node: s.is_term(node) and s.outer(node, ast.Subscript, ast.Compare, ast.stmt) is s.outer(node, ast.stmt),
+    "H": lambda s, node: (
+        s.is_term(node) and s.outer(node, ast.Subscript, ast.Compare, ast.stmt) is s.outer(node, ast.stmt)
+    ),
     "D": lambda s, node: CLASSES["H"](s, node) and (is_operation(node, *PRODUCT) or s.is_returned(node)),
     "M": lambda s, node: (
-        isinstance(node, ast.Name) and node.id[0].isupper() and (is_operation(s.parents[node], ast.MatMult) or s.is_returned(node))
+        isinstance(node, ast.Name)
+        and node.id[0].isupper()
+        and (is_operation(s.parents[node], ast.MatMult) or s.is_returned(node))
     ),
     **dict.fromkeys(
-        "PQ", lambda s, node: not any(isinstance(n, ast.Call) or is_operation(n, *PRODUCT, ast.Pow) for n in ast.walk(node))
+        "PQ",
+        lambda s, node: (
+            not any(isinstance(n, ast.Call) or is_operation(n, *PRODUCT, ast.Pow) for n in ast.walk(node))
+        ),
     ),
     "S": lambda s, node: not is_operation(node, *SUM),
     "T": lambda s, node: s.is_term(node) and not s.text(node).startswith("-"),
@@ -60,10 +84,11 @@ CLASSES: Mapping[str, Callable[[Solution, Any], bool]] = {
 
 
 def table(*rows: tuple[str, str, str, str]) -> Rule:
-    """Return the rule with these rows: code, pattern, what stands in its place, and the sentence, whose last part is the place.
+    """Return the rule with these rows: code, pattern, what stands in its place, and the sentence, whose last
+    part is the place.
 
-    The parts are the letters of the pattern, ``node``, and ``whole``, the largest product around it, in their ``Solution.forms``.
-    A missing factor that is a number has the code constant-factor.
+    The parts are the letters of the pattern, ``node``, and ``whole``, the largest product around it, in their
+    ``Solution.forms``. A missing factor that is a number has the code constant-factor.
     """
     patterns = [(code, ast.parse(pattern).body[0], new, sentence) for code, pattern, new, sentence in rows]
 
@@ -72,7 +97,9 @@ def table(*rows: tuple[str, str, str, str]) -> Rule:
             nodes: dict[str, Any] = {}
             if _matches(s, pattern.value if isinstance(pattern, ast.Expr) else pattern, node, nodes):
                 nodes |= {"node": node, "whole": s.product(node)}
-                forms = {form: text for name, part in nodes.items() for form, text in s.forms(name, part).items()}
+                forms = {
+                    form: text for name, part in nodes.items() for form, text in s.forms(name, part).items()
+                }
                 first, *_, at = re.findall(r"{(\w+?)_", sentence) * 2
                 factor = at == "whole" and isinstance(nodes[first], ast.Constant)
                 named = "constant-factor" if factor else code
@@ -82,16 +109,24 @@ def table(*rows: tuple[str, str, str, str]) -> Rule:
 
 
 def _matches(s: Solution, pattern: Any, node: Any, nodes: dict[str, Any]) -> bool:
-    """Return whether a node has the form of a pattern, and add what the pattern's letters stand for to ``nodes``."""
+    """Return whether a node has the form of a pattern, and add what the pattern's letters stand for to
+    ``nodes``.
+    """
     match pattern:
         case ast.Name(id=letter):
             nodes[letter] = node
-            return isinstance(node, ast.expr | ast.Slice) and (letter not in CLASSES or CLASSES[letter](s, node))
+            return isinstance(node, ast.expr | ast.Slice) and (
+                letter not in CLASSES or CLASSES[letter](s, node)
+            )
         case ast.AST():
             fields = ast.iter_fields(pattern)
-            return type(pattern) is type(node) and all(_matches(s, part, getattr(node, name), nodes) for name, part in fields)
+            return type(pattern) is type(node) and all(
+                _matches(s, part, getattr(node, name), nodes) for name, part in fields
+            )
         case list():
-            return len(pattern) == len(node) and all(_matches(s, *pair, nodes) for pair in zip(pattern, node, strict=True))
+            return len(pattern) == len(node) and all(
+                _matches(s, *pair, nodes) for pair in zip(pattern, node, strict=True)
+            )
     return bool(pattern == node)
 
 
@@ -111,7 +146,9 @@ _terms = table(
     ("sign-flipped", "A -= B", "{A} += {B}", OPPOSITE),
     ("sign-flipped", "T", "-{T}", "{T_t} has the opposite sign"),
 )
-_exchanged_indices = table(("wrong-index", "A[B, C]", "{A}[{C_r}, {B_r}]", "the indices of {node_q} are exchanged"))
+_exchanged_indices = table(
+    ("wrong-index", "A[B, C]", "{A}[{C_r}, {B_r}]", "the indices of {node_q} are exchanged")
+)
 _factors = table(
     ("missing-term", "A * B", "{A}", MISSING % "B"),
     ("missing-division", "A / B", "{A}", "the division by {B_q} in {whole_q} is missing"),
@@ -128,7 +165,12 @@ _multiples = table(
 )
 _operators = table(
     *[
-        ("wrong-operator", f"A {old} B", f"{{A}} {new} {{B}}", f"`{new}` stands in place of `{old}` before {{B_q}} in {{node_q}}")
+        (
+            "wrong-operator",
+            f"A {old} B",
+            f"{{A}} {new} {{B}}",
+            f"`{new}` stands in place of `{old}` before {{B_q}} in {{node_q}}",
+        )
         for old, new in ("*/", "/*", ("//", "/"), ("%", "//"), ("**", "*"), "@*")
     ],
     *[
@@ -154,9 +196,19 @@ _transposed = table(
 def _indices(s: Solution, node: Any) -> Iterator[Variant]:
     if isinstance(node, ast.Subscript):
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        bounds = [b for i in indices if isinstance(i, ast.Slice) for b in (i.lower, i.upper, i.step) if b is not None]
+        bounds = [
+            b
+            for i in indices
+            if isinstance(i, ast.Slice)
+            for b in (i.lower, i.upper, i.step)
+            if b is not None
+        ]
         for part in (*indices, *bounds):
-            near = [] if (value := _integer(part)) is None else [k for k in (value + 1, value - 1) if (k < 0) == (value < 0)]
+            near = (
+                []
+                if (value := _integer(part)) is None
+                else [k for k in (value + 1, value - 1) if (k < 0) == (value < 0)]
+            )
             others = ["", *map(str, filter(None, near))] if part in bounds else list(map(str, near))
             if isinstance(part, ast.Name) and part in indices:
                 others = [f"{part.id} - 1", f"{part.id} + 1"]
@@ -180,14 +232,18 @@ def _calls(s: Solution, node: Any) -> Iterator[Variant]:
         what = f"`{other}` stands in place of `{name}` in {s.quote(node)}"
         yield s.change("wrong-function", what, node.func, f"{of}.{other}" if of else other, at=node)
     if name in DROPPED.split(",") and (args or of):
-        yield s.change("wrong-function", f"`{name}` is missing in {s.quote(node)}", node, s.text(args[0]) if args else of)
+        yield s.change(
+            "wrong-function", f"`{name}` is missing in {s.quote(node)}", node, s.text(args[0]) if args else of
+        )
     for bound in args[:2] if name == "range" else ():
         for sign, word in (("-", "less"), ("+", "more")):
             what = f"the bound {s.quote(bound)} of {s.quote(node)} is one {word}"
             yield s.change("off-by-one", what, bound, f"{s.text(bound)} {sign} 1", at=node)
     if len(args) > 1 and name not in COMMUTATIVE.split(","):
         what = f"the arguments {s.quote(args[0])} and {s.quote(args[1])} of `{name}` are exchanged"
-        yield s.change("swapped-arguments", what, args[0], f"{s.text(args[1])}, {s.text(args[0])}", at=node, last=args[1])
+        yield s.change(
+            "swapped-arguments", what, args[0], f"{s.text(args[1])}, {s.text(args[0])}", at=node, last=args[1]
+        )
     for before, given in pairwise([*args[-2 if of else -1 :], *node.keywords]):
         key, value = getattr(given, "arg", ""), getattr(given, "value", given)
         if key and isinstance(getattr(value, "value", None), bool):
@@ -203,7 +259,9 @@ def _orders(s: Solution, node: Any) -> Iterator[Variant]:
     if isinstance(node, ast.List | ast.Tuple) and node.elts and s.is_returned(node.elts[0]):
         for first, second in pairwise(node.elts[:4]):
             what = f"{s.quote(first)} and {s.quote(second)} are returned in the other order"
-            yield s.replaced("component-order", what, s.span(first, second), f"{s.text(second)}, {s.text(first)}")
+            yield s.replaced(
+                "component-order", what, s.span(first, second), f"{s.text(second)}, {s.text(first)}"
+            )
 
 
 def _constants(s: Solution, node: Any) -> Iterator[Variant]:
@@ -220,7 +278,9 @@ def _constants(s: Solution, node: Any) -> Iterator[Variant]:
 
 
 def _names(s: Solution, node: Any) -> Iterator[Variant]:
-    attribute = isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    attribute = (
+        isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    )
     if not (attribute or isinstance(node, ast.Name)) or not isinstance(node.ctx, ast.Load):
         return
     around = s.outer(node, ast.stmt, ast.Compare)
@@ -228,9 +288,16 @@ def _names(s: Solution, node: Any) -> Iterator[Variant]:
     if stored or isinstance(around, ast.Compare) or called(s.parents[node]).endswith(("_like", "len")):
         return
     own = node.attr if attribute else node.id
-    known = s.variables(s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), ast.Attribute if attribute else ast.Name)
+    known = s.variables(
+        s.outer(node, ast.ClassDef if attribute else ast.FunctionDef),
+        ast.Attribute if attribute else ast.Name,
+    )
     _, use = known.get(own, (0, {"called"}))
-    alike = [n for n, (first, uses) in known.items() if n == own or (uses in (set(), use) and (attribute or first < node.lineno))]
+    alike = [
+        n
+        for n, (first, uses) in known.items()
+        if n == own or (uses in (set(), use) and (attribute or first < node.lineno))
+    ]
     k = alike.index(own) if own in alike else 0
     whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
     for other in [] if "called" in use else alike[max(k - 1, 0) : k] + alike[k + 1 : k + 2]:

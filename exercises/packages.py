@@ -1,4 +1,6 @@
-"""Packages that submissions can import: those in every sandbox, and those an assignment declares (``packages``)."""
+"""Packages that submissions can import: those in every sandbox, and those an assignment declares
+(``packages``).
+"""
 
 import platform
 import re
@@ -28,7 +30,10 @@ def listing(names: Collection[str] = ()) -> str:
     """
     found = versions(names)
     python = ".".join(found.pop("python").split(".")[:2])
-    return f"{', '.join(f'{name} {version}' for name, version in found.items())} and the standard library of Python {python}"
+    return (
+        f"{', '.join(f'{name} {version}' for name, version in found.items())} and the standard library of"
+        f" Python {python}"
+    )
 
 
 def version(name: str) -> str:
@@ -37,7 +42,11 @@ def version(name: str) -> str:
     ``metadata.version`` parses the whole README of the distribution too, ten times as long.
     """
     header = metadata.distribution(name).read_text("METADATA") or ""
-    return found[1] if (found := re.search(r"^Version: *(.+)$", header, re.MULTILINE)) else metadata.version(name)
+    return (
+        found[1]
+        if (found := re.search(r"^Version: *(.+)$", header, re.MULTILINE))
+        else metadata.version(name)
+    )
 
 
 def _installed(name: str) -> bool:

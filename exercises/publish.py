@@ -1,6 +1,8 @@
-"""The students' notebook: the author's with every solution emptied, and the cells that install the kit, check and submit.
+"""The students' notebook: the author's with every solution emptied, and the cells that install the kit, check
+and submit.
 
-It is a pure function of the assignment's folder. The server fills in ``{{SERVER}}``, ``{{KIT_URL}}`` and ``{{PACKAGES}}``.
+It is a pure function of the assignment's folder. The server fills in ``{{SERVER}}``, ``{{KIT_URL}}`` and
+``{{PACKAGES}}``.
 """
 
 import ast
@@ -18,7 +20,10 @@ from exercises.author_notebook import SOLUTION, Cell, with_ids
 from exercises.question import Question
 from exercises.validation_cells import Line
 
-KERNEL = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}, "language_info": {"name": "python"}}
+KERNEL = {
+    "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+    "language_info": {"name": "python"},
+}
 NOTE = """**Install the course kit.** The next cell installs it from the course server; it is imported as `ecp`.
 The package of that name on the public index is unrelated: never type `pip install ecp`.
 On the server your code can import only {{PACKAGES}}."""
@@ -33,7 +38,9 @@ EMPTY = "# your code here"
 
 
 class Section(NamedTuple):
-    """An exercise of the declaration: its questions and lines of validation cells, or the author's ``own`` exercise."""
+    """An exercise of the declaration: its questions and lines of validation cells, or the author's ``own``
+    exercise.
+    """
 
     number: str
     title: str
@@ -49,18 +56,30 @@ class Section(NamedTuple):
 
 
 def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
-    """Return the cells of an author's notebook where there is none: Setup, and each exercise with its right solutions."""
+    """Return the cells of an author's notebook where there is none: Setup, and each exercise with its right
+    solutions.
+    """
     cells = [Cell("markdown", f"# {_markdown(title)}", "title")]
     cells += [Cell("code", setup.strip("\n"), "setup")] if setup.strip() else []
     written: set[str] = set()
     for section in sections:
-        cells.append(Cell("markdown", f"## Exercise {section.number}: {_markdown(section.title)}", _id("exercise", section.number)))
+        cells.append(
+            Cell(
+                "markdown",
+                f"## Exercise {section.number}: {_markdown(section.title)}",
+                _id("exercise", section.number),
+            )
+        )
         for question in section.questions:
             if not written >= set(question.names):
                 written |= set(question.names)
-                if question.variables and (text := inspect.getdoc(question.solution)):  # a function has its docstring in its cell
+                if question.variables and (
+                    text := inspect.getdoc(question.solution)
+                ):  # a function has its docstring in its cell
                     cells.append(Cell("markdown", text))
-                cells.append(Cell("code", question.source.strip("\n"), _id("solution", question.id), (SOLUTION,)))
+                cells.append(
+                    Cell("code", question.source.strip("\n"), _id("solution", question.id), (SOLUTION,))
+                )
     return cells
 
 
@@ -72,15 +91,29 @@ def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> 
     checked = dict(_checks(kept, sections))
     made = []
     for at, cell in enumerate(kept):
-        made.append(replace(cell, source=_emptied_cell(cell, names, read)) if cell.is_solution(names) else cell)
-        made += [_code(f'ecp.check("{number}")', _id("check", number), "check") for number, after in checked.items() if after == at]
+        made.append(
+            replace(cell, source=_emptied_cell(cell, names, read)) if cell.is_solution(names) else cell
+        )
+        made += [
+            _code(f'ecp.check("{number}")', _id("check", number), "check")
+            for number, after in checked.items()
+            if after == at
+        ]
     if not any("{{KIT_URL}}" in cell.source for cell in kept):
         start = int(kept[0].kind == "markdown")
-        made[start:start] = [Cell("markdown", NOTE, "install-note"), _code(INSTALL.format(slug=slug), "install", "install")]
+        made[start:start] = [
+            Cell("markdown", NOTE, "install-note"),
+            _code(INSTALL.format(slug=slug), "install", "install"),
+        ]
     if not any(_calls(cell, "submit") or "submit" in cell.tags for cell in kept):
         made.append(_code("ecp.submit()", "submit", "submit"))
     made = [replace(cell, source=_commented(cell.source)) if _only_submits(cell) else cell for cell in made]
-    written = {"cells": [_json(id, cell) for id, cell in with_ids(made)], "metadata": KERNEL, "nbformat": 4, "nbformat_minor": 5}
+    written = {
+        "cells": [_json(id, cell) for id, cell in with_ids(made)],
+        "metadata": KERNEL,
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
     return json.dumps(written, indent=1, ensure_ascii=False) + "\n"
 
 
@@ -88,15 +121,17 @@ def _checks(cells: Sequence[Cell], sections: Sequence[Section]) -> Iterator[tupl
     """Yield the number of each exercise without a check cell, and the index of its last solution."""
     for section in sections:
         is_checked = any(section.number in arguments for cell in cells for arguments in _calls(cell, "check"))
-        if not is_checked and (solutions := [at for at, cell in enumerate(cells) if cell.bound() & set(section.names)]):
+        if not is_checked and (
+            solutions := [at for at, cell in enumerate(cells) if cell.bound() & set(section.names)]
+        ):
             yield section.number, solutions[-1]
 
 
 def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> str:
     """Return the text of a solution's cell without the solution.
 
-    A cell with the tag, or one that binds a solution by another statement than a definition, keeps only the emptied definitions
-    and the names that the rest of the notebook reads.
+    A cell with the tag, or one that binds a solution by another statement than a definition, keeps only the
+    emptied definitions and the names that the rest of the notebook reads.
     """
     if (text := python_of(cell.source)) is None:
         return EMPTY
@@ -104,7 +139,12 @@ def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> 
     head = len(lines) - len(text.split("\n"))  # lines of a cell magic above the Python
     nodes = [s.node for s in statements_of(cell.source)]
     solved = [node for node in nodes if isinstance(node, DEFINITION) and node.name in names]
-    others = {name: None for s in statements_of(cell.source) if s.node not in solved for name in sorted(s.names.bound)}
+    others = {
+        name: None
+        for s in statements_of(cell.source)
+        if s.node not in solved
+        for name in sorted(s.names.bound)
+    }
     if SOLUTION not in cell.tags and not set(others) & set(names):
         for node in reversed(solved):
             lines[head + _first(node) - 1 : head + (node.end_lineno or 0)] = [_emptied(text, node)]
@@ -117,9 +157,13 @@ def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> 
 
 
 def _emptied(text: str, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> str:
-    """Return a definition in ``text`` with signature, docstring and decorators. A class keeps its fields and emptied methods."""
+    """Return a definition in ``text`` with signature, docstring and decorators. A class keeps its fields and
+    emptied methods.
+    """
     lines, first = text.split("\n"), node.body[0]
-    before, outer = (lines[n.lineno - 1].encode()[: n.col_offset].decode() for n in (first, node))  # ast counts columns in bytes
+    before, outer = (
+        lines[n.lineno - 1].encode()[: n.col_offset].decode() for n in (first, node)
+    )  # ast counts columns in bytes
     own_line = not before.strip()
     indent = before if own_line else outer + "    "
     head = [*lines[_first(node) - 1 : _first(first) - 1], *([] if own_line else [before.rstrip()])]
@@ -148,15 +192,25 @@ def _read_in(cell: Cell) -> Iterator[str]:
 
 def _calls(cell: Cell, function: str) -> list[list[str]]:
     """Return the arguments of each call of ``ecp.function`` in a code cell, as text."""
-    calls = [node for node in cell.nodes if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"]
+    calls = [
+        node
+        for node in cell.nodes
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"
+    ]
     return [[str(getattr(argument, "value", None)) for argument in call.args] for call in calls]
 
 
 def _only_submits(cell: Cell) -> bool:
     """Return whether a code cell consists of calls of ``ecp.submit``."""
     statements = [s.node for s in statements_of(cell.source)] if cell.kind == "code" else []
-    calls = [node.value for node in statements if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)]
-    return bool(calls) and len(calls) == len(statements) and all(ast.unparse(call.func) == "ecp.submit" for call in calls)
+    calls = [
+        node.value for node in statements if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
+    ]
+    return (
+        bool(calls)
+        and len(calls) == len(statements)
+        and all(ast.unparse(call.func) == "ecp.submit" for call in calls)
+    )
 
 
 def _commented(source: str) -> str:
@@ -177,7 +231,11 @@ def _markdown(text: str) -> str:
 
 
 def _json(id: str, cell: Cell) -> dict[str, Any]:
-    written: dict[str, Any] = {"cell_type": cell.kind, "id": id, "metadata": {"tags": list(cell.tags)} if cell.tags else {}}
+    written: dict[str, Any] = {
+        "cell_type": cell.kind,
+        "id": id,
+        "metadata": {"tags": list(cell.tags)} if cell.tags else {},
+    }
     written |= {"attachments": cell.attachments} if cell.attachments else {}
     written |= {"execution_count": None, "outputs": []} if cell.kind == "code" else {}
     return dict(sorted((written | {"source": cell.source.splitlines(keepends=True)}).items()))

@@ -1,4 +1,6 @@
-"""A question of an author's declaration: the right solution, what it is asked, what is exact, and how it expands to scenes."""
+"""A question of an author's declaration: the right solution, what it is asked, what is exact, and how it
+expands to scenes.
+"""
 
 import ast
 import functools
@@ -23,13 +25,21 @@ from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.declared import ARGUMENTS, SHORT, Draw, Family, Itself, Mistake, Value, tolerance_data
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
-ARGUMENT = "arguments are real numbers, strings, and arrays of them: a complex one can be made in call= from two real ones"
-CONSTANT = "shape and type must be the same for all inputs: ask one question for each size, return complex numbers always or never"
+ARGUMENT = (
+    "arguments are real numbers, strings, and arrays of them: a complex one can be made in call= from two"
+    " real ones"
+)
+CONSTANT = (
+    "shape and type must be the same for all inputs: ask one question for each size, return complex numbers"
+    " always or never"
+)
 T = TypeVar("T")
 
 
 def _located(method: Callable[..., T]) -> Callable[..., T]:
-    """Let a method that runs the author's code raise AuthorError with the question's line if no frame is of the author's file."""
+    """Let a method that runs the author's code raise AuthorError with the question's line if no frame is of
+    the author's file.
+    """
 
     @functools.wraps(method)
     def run(self: "Question", *args: Any, **named: Any) -> T:
@@ -37,16 +47,21 @@ def _located(method: Callable[..., T]) -> Callable[..., T]:
             return method(self, *args, **named)
         except Exception as error:
             file = inspect.getsourcefile(self.solution) or ""
-            if isinstance(error, AuthorError) or file in [f.filename for f in traceback.extract_tb(error.__traceback__)]:
+            if isinstance(error, AuthorError) or file in [
+                f.filename for f in traceback.extract_tb(error.__traceback__)
+            ]:
                 raise
-            raise AuthorError(f"{Path(file).name} line {self.line}: question {self.id}: {type(error).__name__}: {error}") from error
+            raise AuthorError(
+                f"{Path(file).name} line {self.line}: question {self.id}: {type(error).__name__}: {error}"
+            ) from error
 
     return run
 
 
 @dataclass(frozen=True)
 class Part:
-    """A further public scene of a question, such as a motion: ``exact(values)`` returns its exact arrays for one row.
+    """A further public scene of a question, such as a motion: ``exact(values)`` returns its exact arrays for
+    one row.
 
     ``values`` are the row's arguments and drawn values by name. ``rows`` are drawn, if anything is.
     """
@@ -57,15 +72,18 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """One question: ``solution`` (a function or class of the author's file) asked with ``ask``, and its exact answers.
+    """One question: ``solution`` (a function or class of the author's file) asked with ``ask``, and its exact
+    answers.
 
-    ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
-    with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
-    "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
-    checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
-    ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
-    scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of the assignment's questions of
-    this kind that have one, in order. ``wrong`` are the errors of arguments of a wrong type, by their names.
+    ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions.
+    ``truth`` is called with the arguments and drawn parameters that it names. ``values`` are the returned
+    values by name; a single one has the name "value". ``known`` are further exact numbers by name: constants,
+    or functions called like ``truth``. ``data`` holds what the checks of the kind need, as JSON; ``errors``
+    yields errors of what belongs to the kind. ``variables`` names what the body of ``solution``, a cell,
+    assigns: then the question asks for these variables instead of a function. ``parts`` are further public
+    scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of the
+    assignment's questions of this kind that have one, in order. ``wrong`` are the errors of arguments of a
+    wrong type, by their names.
     """
 
     kind: str
@@ -124,7 +142,11 @@ class Question:
     @functools.cached_property
     def _given(self) -> dict[str, Any]:
         """The constants and draws by name: parameters, and parameters of function arguments."""
-        return {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
+        return {
+            n: v
+            for name, v in self.ask.items()
+            for n, v in (v.given if isinstance(v, Family) else {name: v}).items()
+        }
 
     @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
@@ -141,26 +163,36 @@ class Question:
                 raise TypeError(f"{name} is drawn with dtype {wrong[0]}; {ARGUMENT}")
             one, *others = dict.fromkeys(value.shape for value in column)
             if others:
-                raise ValueError(f"{name} is drawn with shape {one} for one input and {others[0]} for another: {CONSTANT}")
+                raise ValueError(
+                    f"{name} is drawn with shape {one} for one input and {others[0]} for another: {CONSTANT}"
+                )
         return {name: np.array(column) for name, column in columns.items()}
 
     @functools.cached_property
     def document(self) -> dict[str, Any]:
         """The question as data, with nothing of its solution and without the shapes of its answer."""
         functions = {name: v for name, v in self.ask.items() if isinstance(v, Family)}
-        families = {name: {"text": v.text, "over": list(v.over), "given": list(v.given)} for name, v in functions.items()}
+        families = {
+            name: {"text": v.text, "over": list(v.over), "given": list(v.given)}
+            for name, v in functions.items()
+        }
         return {
             "kind": self.kind,
             "id": self.id,
             "function": self.function,
             "parameters": list(self.ask),
-            "constants": {name: np.asarray(value).tolist() for name, value in self._given.items() if not callable(value)},
+            "constants": {
+                name: np.asarray(value).tolist() for name, value in self._given.items() if not callable(value)
+            },
             "families": families,
             "variables": list(self.variables),
             "drawn": list(self.drawn),
             "call": self.call,
             "keys": self.keys,
-            "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
+            "scenes": {
+                "public": f"{self.id}-public",
+                "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None,
+            },
             "parts": list(self.parts),
             "returns": [self._returned(name, value) for name, value in self.values.items()],
             **({"uses": [earlier.__name__ for earlier in self.uses]} if self.uses else {}),
@@ -172,9 +204,13 @@ class Question:
     def asked(self) -> dict[str, Any]:
         """The question as data, with the shapes of its answer: calls the right solution once."""
         row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
-        shaped = [value | form for value, form in zip(self.document["returns"], self._forms(row), strict=True)]
+        shaped = [
+            value | form for value, form in zip(self.document["returns"], self._forms(row), strict=True)
+        ]
         for value in shaped:
-            if value["up_to"] and (error := alignment_error(value["up_to"], value["shape"], value["complex"])):
+            if value["up_to"] and (
+                error := alignment_error(value["up_to"], value["shape"], value["complex"])
+            ):
                 raise ValueError(f"{error}, but the right solution returned shape {tuple(value['shape'])}")
         return self.document | {"returns": shaped}
 
@@ -185,16 +221,30 @@ class Question:
         for part in asking.parts(self.document, answer):
             kind = np.asarray(part).dtype.kind
             if kind not in "fiubc" and not is_symbolic:
-                raise TypeError(f"{self.function} returned {SHORT.repr(part)}; it must return numbers, booleans, or arrays of them")
+                raise TypeError(
+                    f"{self.function} returned {SHORT.repr(part)}; it must return numbers, booleans, or"
+                    " arrays of them"
+                )
             if not is_symbolic and not np.all(np.isfinite(part)):
-                raise ValueError(f"{self.function} returned {SHORT.repr(part)}; ask it for inputs where its answer is finite")
-            forms.append({"shape": list(np.shape(part)), "complex": is_symbolic or kind == "c", "boolean": kind == "b"})
+                raise ValueError(
+                    f"{self.function} returned {SHORT.repr(part)}; ask it for inputs where its answer is"
+                    " finite"
+                )
+            forms.append(
+                {"shape": list(np.shape(part)), "complex": is_symbolic or kind == "c", "boolean": kind == "b"}
+            )
         return forms
 
     def _returned(self, name: str, value: Value) -> dict[str, Any]:
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
         credit = {"points": value.points, "partial": value.partial}
-        return {"name": name, "tolerance": tolerance_data(value.tolerance), "label": label, "up_to": value.up_to, **credit}
+        return {
+            "name": name,
+            "tolerance": tolerance_data(value.tolerance),
+            "label": label,
+            "up_to": value.up_to,
+            **credit,
+        }
 
     def play(self, student: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
         """Return what a function, or a ``student`` with these names, answers, as the sandbox would.
@@ -207,7 +257,9 @@ class Question:
 
     @_located
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
-        """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
+        """Return the exact values of every row by name, those ``known`` among them, and the drawn values as
+        ``at_NAME``.
+        """
         drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []
         is_own = isinstance(self.truth, Itself) or (self.truth is None and not self.known)
         try:
@@ -215,12 +267,16 @@ class Question:
             for row in asking.each_row(rows):
                 asked = asking.arguments(self.asked, row)
                 # a truth may call a function as often as it likes
-                given = {n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()} | row
+                given = {
+                    n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()
+                } | row
                 if part is not None:
                     answers.append(part.exact(given))
                     continue
                 known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
-                exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
+                exact = (
+                    asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
+                )
                 answers.append(exact | known)
         except WrongAnswer as error:
             whose = "the right solution" if is_own else "the truth"
@@ -239,7 +295,9 @@ class Question:
             yield self.scene("hidden", hidden)
 
     def scene(self, name: str, rows: int, part: Part | None = None) -> Scene:
-        """Return the scene of the values for so many rows, new ones if it is "hidden", or that of a ``part``."""
+        """Return the scene of the values for so many rows, new ones if it is "hidden",
+        or that of a ``part``.
+        """
 
         def inputs(rng: np.random.Generator) -> dict[str, Any]:
             return self.draw(rng, rows)

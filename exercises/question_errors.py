@@ -20,21 +20,38 @@ def question_errors(question: Question) -> Iterator[str]:
     wrong = [error for errors in question.wrong.values() for error in errors]
     yield from (f"line {question.line}: {question.function}: {error}" for error in wrong)
     try:
-        found = list(_of_question(question)) if (question.ask or question.values) and "solution" not in question.wrong else []
+        found = (
+            list(_of_question(question))
+            if (question.ask or question.values) and "solution" not in question.wrong
+            else []
+        )
     except Exception as error:  # if arguments of a wrong type are the cause, they are reported already
         found = [] if wrong else [f"{question.function}: {type(error).__name__}: {error}"]
     yield from (f"line {question.line}: {error}" for error in found)
-    yield from (f"line {mistake.line}: {error}" for mistake in question.mistakes for error in _of_mistake(question, mistake))
+    yield from (
+        f"line {mistake.line}: {error}"
+        for mistake in question.mistakes
+        for error in _of_mistake(question, mistake)
+    )
 
 
 def uses_errors(question: Question, earlier: Sequence[Question]) -> Iterator[str]:
     """Yield the errors of the functions that a question uses, which must be solutions of ``earlier`` ones."""
     for used in question.uses:
-        name, found = getattr(used, "__name__", repr(used)), [other for other in earlier if other.solution is used]
+        name, found = (
+            getattr(used, "__name__", repr(used)),
+            [other for other in earlier if other.solution is used],
+        )
         if not found or used is question.solution:
-            yield f"line {question.line}: {question.function} uses {name}, which is not the solution of an earlier question"
+            yield (
+                f"line {question.line}: {question.function} uses {name}, which is not the solution of an"
+                " earlier question"
+            )
         elif isinstance(used, type) or found[0].variables:
-            yield f"line {question.line}: {question.function} uses {name}, a class or a cell; only a function can be replaced"
+            yield (
+                f"line {question.line}: {question.function} uses {name}, a class or a cell; only a function"
+                " can be replaced"
+            )
 
 
 def _of_question(question: Question) -> Iterator[str]:
@@ -55,8 +72,14 @@ def _of_question(question: Question) -> Iterator[str]:
             yield from (f"the function {argument}: {error}" for error in family_errors(family))
     if question.variables:
         nodes = ast.walk(ast.parse(question.source))
-        assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
-        yield from (f"the cell does not assign {variable}" for variable in question.variables if variable not in assigned)
+        assigned = {
+            node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        }
+        yield from (
+            f"the cell does not assign {variable}"
+            for variable in question.variables
+            if variable not in assigned
+        )
     yield from () if "truth" in question.wrong else _of_truth(question)
     yield from question.errors()
     for label in (label for label, value in question.values.items() if value.partial):
@@ -69,8 +92,15 @@ def _of_question(question: Question) -> Iterator[str]:
 def family_errors(family: Family) -> Iterator[str]:
     """Yield the errors of an expression."""
     tree = ast.parse(family.text, mode="eval")
-    unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {*family.over, *family.given, *KNOWN}
-    yield from (f"{family.text!r} uses {name}, which is neither a variable nor a parameter" for name in sorted(unknown))
+    unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {
+        *family.over,
+        *family.given,
+        *KNOWN,
+    }
+    yield from (
+        f"{family.text!r} uses {name}, which is neither a variable nor a parameter"
+        for name in sorted(unknown)
+    )
 
 
 def _of_truth(question: Question) -> Iterator[str]:
@@ -87,7 +117,10 @@ def _of_truth(question: Question) -> Iterator[str]:
     else:
         known = {*question.ask, *question.drawn}
         missing = [name for name in inspect.signature(truth).parameters if name not in known]
-        yield from (f"the truth of {question.function} takes {name}, which is neither asked nor drawn" for name in missing)
+        yield from (
+            f"the truth of {question.function} takes {name}, which is neither asked nor drawn"
+            for name in missing
+        )
 
 
 def _of_mistake(question: Question, mistake: Mistake) -> Iterator[str]:

@@ -33,10 +33,18 @@ class Sample:
         found = codes(report)
         wrong = [] if found == self.codes else [f"codes {sorted(found)}, not {sorted(self.codes)}"]
         verdicts, other = _verdicts_of(report), self.differences(report)
-        return [*(f"{id} is {verdicts.get(id)}, not {v}" if v else f"{id} is not expected" for id, v in other.items()), *wrong]
+        return [
+            *(
+                f"{id} is {verdicts.get(id)}, not {v}" if v else f"{id} is not expected"
+                for id, v in other.items()
+            ),
+            *wrong,
+        ]
 
     def differences(self, report: Mapping[str, Any]) -> dict[str, Verdict | None]:
-        """Return the expected verdict, None if there is none, of each check of a report, as JSON, that has another one."""
+        """Return the expected verdict, None if there is none, of each check of a report, as JSON, that has
+        another one.
+        """
         got = _verdicts_of(report)
         found = {id: v for id, v in self.verdicts.items() if got.get(id) != v}
         return found | {id: None for id in got if id not in self.verdicts and id not in self.drawn}
@@ -67,14 +75,20 @@ def load_samples(assignment: Assignment) -> SampleSet:
     folder = assignment.folder / "samples"
     try:
         entries = tomllib.loads(_expected(assignment) or "")
-        errors = [f"{name}: {error}" for name, entry in entries.items() for error in _errors(assignment, entry)]
+        errors = [
+            f"{name}: {error}" for name, entry in entries.items() for error in _errors(assignment, entry)
+        ]
     except ValueError as error:  # not UTF-8, or not TOML
         errors = [str(error)]
     if errors:
         raise InvalidAssignment(assignment.slug, [f"samples/expected.toml: {error}" for error in errors])
     files = {path.name: path for path in sorted(folder.glob("*")) if path.suffix in (".py", ".ipynb")}
     known = [_sample(assignment, files[name], entry) for name, entry in entries.items() if name in files]
-    return SampleSet(known, [files[name] for name in files if name not in entries], [name for name in entries if name not in files])
+    return SampleSet(
+        known,
+        [files[name] for name in files if name not in entries],
+        [name for name in entries if name not in files],
+    )
 
 
 def samples(assignment: Assignment) -> list[Sample]:
@@ -89,11 +103,15 @@ def samples(assignment: Assignment) -> list[Sample]:
 
 
 def _sample(assignment: Assignment, file: Path, entry: Mapping[str, Any]) -> Sample:
-    """Return the sample of an entry. Wrong equations may pass, fail or stall on random motions, depending on the motion."""
+    """Return the sample of an entry. Wrong equations may pass, fail or stall on random motions, depending on
+    the motion.
+    """
     checks = [c for number in entry["exercises"] for c in assignment.exercise(number).checks]
     random = {s.name for s in assignment.scenes if s.drive is not None and callable(s.inputs)}
     drawn = {c.id for c in checks if random & set(c.scenes)}
-    wrong = dict.fromkeys(entry.get("fail", ()), Verdict.FAIL) | dict.fromkeys(entry.get("unmeasured", ()), Verdict.UNMEASURED)
+    wrong = dict.fromkeys(entry.get("fail", ()), Verdict.FAIL) | dict.fromkeys(
+        entry.get("unmeasured", ()), Verdict.UNMEASURED
+    )
     left_out = set(entry.get("left_out", ())) | (drawn if wrong else set())
     verdicts = {c.id: wrong.get(c.id, Verdict.PASS) for c in checks if c.id not in left_out}
     named, demo = frozenset(entry.get("codes", ())), bool(entry.get("demo", False))
@@ -143,18 +161,28 @@ def _errors(assignment: Assignment, entry: Any) -> Iterator[str]:
         return
     yield from (f"unknown key {key}" for key in entry if key not in (*LISTS, "demo"))
     lists = {key: entry[key] for key in LISTS if key in entry}
-    wrong = [key for key, value in lists.items() if not (isinstance(value, list) and all(isinstance(x, str) for x in value))]
+    wrong = [
+        key
+        for key, value in lists.items()
+        if not (isinstance(value, list) and all(isinstance(x, str) for x in value))
+    ]
     yield from (f"{key} is not a list of strings" for key in wrong)
     if wrong:
         return
     if not entry.get("exercises"):
         yield "exercises (the numbers of the graded exercises) is missing"
     numbers = {e.number: e for e in assignment.exercises}
-    yield from (f"there is no exercise {n}" for n in sorted({*entry.get("exercises", ()), *entry.get("ask", ())} - set(numbers)))
+    yield from (
+        f"there is no exercise {n}"
+        for n in sorted({*entry.get("exercises", ()), *entry.get("ask", ())} - set(numbers))
+    )
     made = {c.id for n in entry.get("exercises", ()) if n in numbers for c in numbers[n].checks}
     listed = [id for key in ("fail", "unmeasured", "left_out") for id in entry.get(key, ())]
     yield from (f"its exercises have no check {id}" for id in sorted(set(listed) - made))
-    yield from (f"the check {id} is listed more than once" for id in sorted({id for id in listed if listed.count(id) > 1}))
+    yield from (
+        f"the check {id} is listed more than once"
+        for id in sorted({id for id in listed if listed.count(id) > 1})
+    )
 
 
 def _toml(value: Any) -> str:

@@ -1,4 +1,6 @@
-"""Speed against accuracy on one motion: of a right-hand side, by adaptive solvers over their tolerances, or of steppers."""
+"""Speed against accuracy on one motion: of a right-hand side, by adaptive solvers over their tolerances, or
+of steppers.
+"""
 
 import math
 from collections.abc import Sequence
@@ -22,10 +24,12 @@ MOST_CALLS = 10**8  # of a run of a stepper
 
 
 def result(scene: str, function: str, seen: Arrays, errors: Sequence[Any], most_calls: int) -> SweepResult:
-    """Return the points of every setting and a summary line: the error at NOTEBOOKS, the cost of a call, the cheapest to ENOUGH.
+    """Return the points of every setting and a summary line: the error at NOTEBOOKS, the cost of a call, the
+    cheapest to ENOUGH.
 
-    ``seen`` holds ``calls`` and ``seconds`` of every setting and ``per_call``, the seconds of one call. An error that is not
-    finite is a run that diverged. Raises ValueError for calls and seconds that no run can have.
+    ``seen`` holds ``calls`` and ``seconds`` of every setting and ``per_call``, the seconds of one call. An
+    error that is not finite is a run that diverged. Raises ValueError for calls and seconds that no run can
+    have.
     """
     calls, seconds = seen["calls"], np.append(seen["seconds"], seen["per_call"])
     _require_possible(calls, seconds, most_calls)
@@ -47,24 +51,40 @@ def result_of_steppers(
 ) -> SweepResult:
     """Return the points of every run, and a line: what each stepper needs for an error of ENOUGH_OF_STEPPERS.
 
-    ``steps``, ``errors``, and ``calls`` and ``seconds`` in ``seen`` have the shape (steppers, runs). A run without calls is left
-    out; an error that is not finite is a run that diverged. Raises ValueError for calls and seconds that no run can have.
+    ``steps``, ``errors``, and ``calls`` and ``seconds`` in ``seen`` have the shape (steppers, runs). A run
+    without calls is left out; an error that is not finite is a run that diverged. Raises ValueError for calls
+    and seconds that no run can have.
     """
     _require_possible(np.maximum(seen["calls"], 1), seen["seconds"], MOST_CALLS)
     points, parts = [], []
     for name, *runs in zip(names, steps, errors, seen["calls"], seen["seconds"], strict=True):
         own = [
-            SweptPoint(name, None, int(calls), float(error) if math.isfinite(error) else None, float(seconds), float(h))
+            SweptPoint(
+                name,
+                None,
+                int(calls),
+                float(error) if math.isfinite(error) else None,
+                float(seconds),
+                float(h),
+            )
             for h, error, calls, seconds in zip(*runs, strict=True)
             if calls
         ]
         points += own
-        enough = min((p for p in own if p.error is not None and p.error <= ENOUGH_OF_STEPPERS), key=lambda p: p.calls, default=None)
+        enough = min(
+            (p for p in own if p.error is not None and p.error <= ENOUGH_OF_STEPPERS),
+            key=lambda p: p.calls,
+            default=None,
+        )
         if enough:
             parts.append(f"{name} {enough.calls} calls and {enough.seconds * 1e3:.3g} ms")
         else:
-            parts.append(f"{name} more than {max(p.calls for p in own)} calls" if own else f"{name} was not measured")
-    return SweepResult(scene=scene, points=points, line=f"for an error of {ENOUGH_OF_STEPPERS:g}: " + ", ".join(parts))
+            parts.append(
+                f"{name} more than {max(p.calls for p in own)} calls" if own else f"{name} was not measured"
+            )
+    return SweepResult(
+        scene=scene, points=points, line=f"for an error of {ENOUGH_OF_STEPPERS:g}: " + ", ".join(parts)
+    )
 
 
 def _require_possible(calls: NDArray[np.float64], seconds: NDArray[np.float64], most_calls: int) -> None:
@@ -78,7 +98,10 @@ def _require_possible(calls: NDArray[np.float64], seconds: NDArray[np.float64], 
 def _line(points: list[SweptPoint], per_call: float, function: str) -> str:
     own = next(p for p in points if (p.method, p.rtol) == NOTEBOOKS)
     reached = "diverges" if own.error is None else f"reaches {own.error:.1e}"
-    summary = f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls} calls"
+    summary = (
+        f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls}"
+        " calls"
+    )
     enough = [p for p in points if p.error is not None and p.error <= ENOUGH]
     if not enough:
         return f"{summary}; no solver reaches an error of {ENOUGH:g}: check {function}"

@@ -16,7 +16,9 @@ from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
-ABSENT = re.compile(rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\.")  # where an import of one of them, or of a neighbour, may be
+ABSENT = re.compile(
+    rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\."
+)  # where an import of one of them, or of a neighbour, may be
 REPLACEABLE = ("draw",)  # modules of the kit that only notebooks use
 MOST_DATA = 5_000_000  # bytes of a data file
 
@@ -24,7 +26,9 @@ MOST_DATA = 5_000_000  # bytes of a data file
 def errors(assignment: Assignment) -> list[str]:
     """Return the errors of the declaration, empty if there are none."""
     found = []
-    if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
+    if not isinstance(assignment.packages, tuple) or not all(
+        isinstance(name, str) and name for name in assignment.packages
+    ):
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
         found.append(f"cpu_s is {assignment.cpu_s}; it must be positive and finite")
@@ -39,9 +43,15 @@ def errors(assignment: Assignment) -> list[str]:
 
 
 def syntax_errors(folder: Path, valid: Collection[str] = ()) -> list[str]:
-    """Return the syntax errors of every Python file in an assignment's folder except its samples and the ``valid`` ones."""
+    """Return the syntax errors of every Python file in an assignment's folder except its samples and the
+    ``valid`` ones.
+    """
     found = []
-    parts = (sorted(path.rglob("*.py")) if path.is_dir() else [path] for path in sorted(folder.glob("*")) if path.name != "samples")
+    parts = (
+        sorted(path.rglob("*.py")) if path.is_dir() else [path]
+        for path in sorted(folder.glob("*"))
+        if path.name != "samples"
+    )
     for path in (path for part in parts for path in part):
         if path.suffix == ".py" and str(path) not in valid:
             try:
@@ -60,7 +70,10 @@ def _imports(assignment: Assignment) -> Iterator[str]:
                 of = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else None
                 for module in [of] if of else [alias.name for alias in node.names]:
                     if module.split(".")[0] in ("", *HOST_ONLY):
-                        yield f"{name} line {node.lineno}: the sandbox and the kit have no {module}; import numpy, scipy or ecp"
+                        yield (
+                            f"{name} line {node.lineno}: the sandbox and the kit have no {module}; import"
+                            " numpy, scipy or ecp"
+                        )
 
 
 def _of_data(assignment: Assignment) -> Iterator[str]:
@@ -69,17 +82,37 @@ def _of_data(assignment: Assignment) -> Iterator[str]:
         return
     for name in assignment.data:
         path, file = PurePosixPath(name), assignment.folder / name
-        if path.is_absolute() or not path.name or {".."} & set(path.parts) or str(path) != name or path.parts[0] == "samples":
-            yield f"data file {name}: it must be a relative name such as pendulum.csv, without .. and not in samples/"
+        if (
+            path.is_absolute()
+            or not path.name
+            or {".."} & set(path.parts)
+            or str(path) != name
+            or path.parts[0] == "samples"
+        ):
+            yield (
+                f"data file {name}: it must be a relative name such as pendulum.csv, without .. and not in"
+                " samples/"
+            )
         elif path.suffix == ".py" and path.parent.name == MODULES:
-            if not path.stem.isidentifier() or (path.stem not in REPLACEABLE and find_spec(f"ecp.{path.stem}")):
-                yield f"module {name}: it must have a Python name that no module of the kit has, except {' and '.join(REPLACEABLE)}"
+            if not path.stem.isidentifier() or (
+                path.stem not in REPLACEABLE and find_spec(f"ecp.{path.stem}")
+            ):
+                yield (
+                    f"module {name}: it must have a Python name that no module of the kit has, except"
+                    f" {' and '.join(REPLACEABLE)}"
+                )
         elif path.suffix in (".py", ".ipynb", ".toml"):
-            yield f"data file {name}: students get data files, so a {path.suffix} file, which may hold solutions, cannot be one"
+            yield (
+                f"data file {name}: students get data files, so a {path.suffix} file, which may hold"
+                " solutions, cannot be one"
+            )
         elif not file.is_file():
             yield f"data file {name} is missing"
         elif file.stat().st_size > MOST_DATA:
-            yield f"data file {name} has {file.stat().st_size / 1e6:.1f} MB; at most {MOST_DATA / 1e6:g} MB are allowed"
+            yield (
+                f"data file {name} has {file.stat().st_size / 1e6:.1f} MB; at most {MOST_DATA / 1e6:g} MB are"
+                " allowed"
+            )
 
 
 def _doubles(assignment: Assignment) -> Iterator[str]:
@@ -87,26 +120,44 @@ def _doubles(assignment: Assignment) -> Iterator[str]:
     yield from (f"scene {name} is declared twice" for name in _twice(s.name for s in assignment.scenes))
     yield from (f"check id {id} is used twice" for id in _twice(c.id for e in exercises for c in e.checks))
     yield from (f"exercise {number} is declared twice" for number in _twice(e.number for e in exercises))
-    yield from (f"figure {name} is declared twice" for name in _twice(f.name for e in exercises for f in e.figures))
-    yield from (f"animation {name} is declared twice" for name in _twice(a.name for e in exercises for a in e.animations))
+    yield from (
+        f"figure {name} is declared twice" for name in _twice(f.name for e in exercises for f in e.figures)
+    )
+    yield from (
+        f"animation {name} is declared twice"
+        for name in _twice(a.name for e in exercises for a in e.animations)
+    )
 
 
 def _of_exercises(assignment: Assignment) -> Iterator[str]:
     scenes = {s.name: s for s in assignment.scenes}
     if not assignment.exercises:
         yield "it has no exercise"
-    variables, names = assignment.variables(), {name for e in assignment.exercises for name in e.function_names()}
+    variables, names = (
+        assignment.variables(),
+        {name for e in assignment.exercises for name in e.function_names()},
+    )
     for exercise in assignment.exercises:
         remedy = "a report shows labels, so give each its own"
         for label in _twice(check.label for check in exercise.checks if not isinstance(check, ReportedLine)):
             yield f"exercise {exercise.number}: several checks have the label {label!r}: {remedy}"
         asked = exercise.function_names()
-        yield from (f"exercise {exercise.number}: the variable {v} is not in functions" for v in set(exercise.variables) - asked)
+        yield from (
+            f"exercise {exercise.number}: the variable {v} is not in functions"
+            for v in set(exercise.variables) - asked
+        )
         both = sorted(asked & variables - set(exercise.variables))
-        yield from (f"exercise {exercise.number}: {name} is a function here and a variable in another exercise" for name in both)
+        yield from (
+            f"exercise {exercise.number}: {name} is a function here and a variable in another exercise"
+            for name in both
+        )
         strange = sorted(set(exercise.prerequisites) - names)
-        yield from (f"exercise {exercise.number}: no exercise asks for its prerequisite {name}" for name in strange)
-        yield from (f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(scenes)))
+        yield from (
+            f"exercise {exercise.number}: no exercise asks for its prerequisite {name}" for name in strange
+        )
+        yield from (
+            f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(scenes))
+        )
         yield from (e for c in exercise.checks for e in c.errors())
         for motion in exercise.motions:
             if motion.scene in scenes and "R" not in scenes[motion.scene].returns:
@@ -115,7 +166,12 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
 
 def _of_scenes(assignment: Assignment) -> Iterator[str]:
     names, tree = [s.name for s in assignment.scenes], _parsed(assignment.plays)
-    plays = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    plays = {
+        alias.asname or alias.name
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
     plays |= {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     for at, scene in enumerate(assignment.scenes):
         if scene.after is not None and scene.after not in names[:at]:
@@ -123,7 +179,10 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
         if scene.drive is not None and scene.drive.proof not in names[:at]:
             yield f"scene {scene.name} is verified by {scene.drive.proof}, which is not declared before it"
         if (scene.twice or scene.drive) and scene.function in assignment.variables():
-            yield f"scene {scene.name}: {scene.function} is a variable, which cannot be called, neither twice nor by the host"
+            yield (
+                f"scene {scene.name}: {scene.function} is a variable, which cannot be called, neither twice"
+                " nor by the host"
+            )
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *(sweep.scene for sweep in assignment.sweeps)]:
@@ -168,16 +227,25 @@ def _public_errors(assignment: Assignment, exercises: Sequence[Exercise]) -> Ite
         if exercise.number not in served:
             yield f"the server has no exercise {exercise.number}"
             continue
-        yield from (f"the server does not have the check {c.id}" for c in exercise.checks if c.id not in served[exercise.number])
         yield from (
-            f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - {s.name for s in assignment.scenes})
+            f"the server does not have the check {c.id}"
+            for c in exercise.checks
+            if c.id not in served[exercise.number]
+        )
+        yield from (
+            f"exercise {exercise.number}: no scene {s}"
+            for s in sorted(exercise.scenes() - {s.name for s in assignment.scenes})
         )
         known = sorted(exercise.scenes() & drawn)
         yield from (f"exercise {exercise.number} reads the scene {s}, whose inputs are random" for s in known)
 
 
 def format_error(error: BaseException, folder: Path) -> str:
-    """Return an error raised while importing the folder, with the line of the folder's code that raised it."""
+    """Return an error raised while importing the folder, with the line of the folder's code that raised
+    it.
+    """
     message = f"{type(error).__name__}: {error}"
     own = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).is_relative_to(folder)]
-    return f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {message}" if own else message
+    return (
+        f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {message}" if own else message
+    )

@@ -1,4 +1,6 @@
-"""Calls of ``ecp.validate`` in a code cell: their places, labels and tolerances, read from the source alone."""
+"""Calls of ``ecp.validate`` in a code cell: their places, labels and tolerances,
+read from the source alone.
+"""
 
 import ast
 import functools
@@ -14,11 +16,12 @@ LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictCo
 
 
 class Call(NamedTuple):
-    """A call of ``ecp.validate`` in a cell: its line and column, its kind, its label, its first two arguments, and
-    whether it is inside a function, or repeated: inside a loop.
+    """A call of ``ecp.validate`` in a cell: its line and column, its kind, its label, its first two
+    arguments, and whether it is inside a function, or repeated: inside a loop.
 
-    The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false. ``numbers`` are the
-    tolerances and limits that its text gives as numbers, and ``computed`` the names of those that it computes.
+    The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false.
+    ``numbers`` are the tolerances and limits that its text gives as numbers, and ``computed`` the names of
+    those that it computes.
     """
 
     place: tuple[int, int]
@@ -36,7 +39,9 @@ class Call(NamedTuple):
 def calls(source: str) -> tuple[Call, ...]:
     """Return the calls of ``validate`` in a code cell, in the order of the source."""
     tree = ast.parse((python_of(source) if "validate" in source else None) or "")
-    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
+    functions = [
+        n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+    ]
     inside = {id(node) for function in functions for node in ast.walk(function)}
     loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
     repeated = {id(node) for loop in loops for node in ast.walk(loop)}
@@ -66,21 +71,29 @@ def _argument(node: ast.Call, at: int) -> str:
 
 def _kind(node: ast.Call) -> str | None:
     match node.func:
-        case ast.Attribute(value=ast.Name(id="validate") | ast.Attribute(attr="validate"), attr=kind) if kind in KINDS:
+        case ast.Attribute(value=ast.Name(id="validate") | ast.Attribute(attr="validate"), attr=kind) if (
+            kind in KINDS
+        ):
             return kind
     return None
 
 
 def _given(node: ast.Call, kind: str, name: str) -> ast.expr | None:
-    """Return the argument ``name`` of a call of the function ``kind``, by name or by its position; None if it is not given."""
-    given: dict[str | None, ast.expr] = dict(zip(inspect.signature(getattr(validate, kind)).parameters, node.args, strict=False))
+    """Return the argument ``name`` of a call of the function ``kind``, by name or by its position; None if it
+    is not given.
+    """
+    given: dict[str | None, ast.expr] = dict(
+        zip(inspect.signature(getattr(validate, kind)).parameters, node.args, strict=False)
+    )
     given |= {keyword.arg: keyword.value for keyword in node.keywords}
     return given.get(name)
 
 
 def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
     """Yield the tolerances and limits of a call by name, those that it does not name with their defaults."""
-    if any(isinstance(one, ast.Starred) for one in node.args) or any(keyword.arg is None for keyword in node.keywords):
+    if any(isinstance(one, ast.Starred) for one in node.args) or any(
+        keyword.arg is None for keyword in node.keywords
+    ):
         yield from ((name, node) for name in KINDS[kind].numbers)  # only running the call shows them
         return
     parameters = inspect.signature(getattr(validate, kind)).parameters
@@ -89,7 +102,9 @@ def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
 
 
 def _number(node: ast.expr) -> float | None:
-    """Return the number that the text of an expression gives, None if the expression needs a name or a call."""
+    """Return the number that the text of an expression gives,
+    None if the expression needs a name or a call.
+    """
     match node:
         case ast.Constant(value=int() | float() as value):
             return float(value)
@@ -108,6 +123,9 @@ def _text(node: ast.expr) -> str:
         case ast.Constant(value=str(text)):
             return " ".join(text.split())
         case ast.JoinedStr(values=parts):
-            shown = [str(p.value) if isinstance(p, ast.Constant) else ast.unparse(ast.JoinedStr([p]))[2:-1] for p in parts]
+            shown = [
+                str(p.value) if isinstance(p, ast.Constant) else ast.unparse(ast.JoinedStr([p]))[2:-1]
+                for p in parts
+            ]
             return " ".join("".join(shown).split())
     return f"{{{ast.unparse(node)}}}"

@@ -1,8 +1,8 @@
 """Lines of a published notebook's validation cells, as checks.
 
 The server runs the published cells in place of the student's copies. The arguments of each ``validate`` call
-leave the sandbox as data and are judged again. The student's code computed them, so a line is self-reported and
-carries no points until the author names a truth or trusts it.
+leave the sandbox as data and are judged again. The student's code computed them, so a line is self-reported
+and carries no points until the author names a truth or trusts it.
 """
 
 import builtins
@@ -28,7 +28,8 @@ VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check
 NOTEBOOK = "the notebook's own"
 TRUTH = Rule(
-    "numbers, or a function without parameters that computes them", lambda truth: callable(truth) or is_numeric(truth, "fiuc")
+    "numbers, or a function without parameters that computes them",
+    lambda truth: callable(truth) or is_numeric(truth, "fiuc"),
 )
 SELF_REPORTED = "self-reported: the student's code computes both sides"
 
@@ -62,16 +63,22 @@ class ReportedLine(Check):
         return super().errors() if self.declared.counts else []
 
     def reported(self, claims: Sequence[Claim], cause: str, *, stopped: bool = False) -> Outcome:
-        """Return the outcome of the ``claims`` made at its place; without one it is unmeasured for this ``cause``.
+        """Return the outcome of the ``claims`` made at its place; without one it is unmeasured for this
+        ``cause``.
 
-        Where the call was made several times, all of them must hold, and the first that does not is shown. If its cell ``stopped``,
-        the loop around it may not have ended.
+        Where the call was made several times, all of them must hold, and the first that does not is shown. If
+        its cell ``stopped``, the loop around it may not have ended.
         """
         judged = [(fixed, self._judged(fixed)) for claim in claims if (fixed := self._fixed(claim))]
         claim, found = next(
-            (pair for pair in judged if pair[1].verdict is not Verdict.PASS), judged[-1] if judged else (None, None)
+            (pair for pair in judged if pair[1].verdict is not Verdict.PASS),
+            judged[-1] if judged else (None, None),
         )
-        if claim is None or found is None or (stopped and self.call.repeated and found.verdict is Verdict.PASS):
+        if (
+            claim is None
+            or found is None
+            or (stopped and self.call.repeated and found.verdict is Verdict.PASS)
+        ):
             return self._marked(self.unmeasured(cause), {})
         outcome = self._outcome(found, [])
         outcome.label = self.label if self.call.is_plain else claim.label or self.label
@@ -109,18 +116,22 @@ def is_self_reported(check: Check) -> bool:
 
 
 def published_cells(cells: Sequence[Cell], names: Sequence[str]) -> tuple[PublishedCell, ...]:
-    """Return the code cells of the published notebook. Those that the student fills in are tagged as solutions or bind a name
-    of ``names``.
+    """Return the code cells of the published notebook. Those that the student fills in are tagged as
+    solutions or bind a name of ``names``.
     """
     code = [cell for cell in cells if cell.kind == "code" and INSTALL not in cell.tags]
     return tuple(
-        PublishedCell(f"published cell {number}", cell.source, _is_given(cell, names), cell.id, bool(calls(cell.source)))
+        PublishedCell(
+            f"published cell {number}", cell.source, _is_given(cell, names), cell.id, bool(calls(cell.source))
+        )
         for number, cell in enumerate(code, 1)
     )
 
 
 def _is_given(cell: Cell, names: Sequence[str]) -> bool:
-    """Return whether the student leaves the cell as it is: it is no solution, and contains more than comments."""
+    """Return whether the student leaves the cell as it is: it is no solution, and contains more than
+    comments.
+    """
     is_comment = python_of(cell.source) is not None and not statements_of(cell.source)
     return not (is_comment or cell.is_solution(names))
 
@@ -134,7 +145,9 @@ class Placed(NamedTuple):
 
 
 def placed_calls(cells: Sequence[Cell], published: Sequence[PublishedCell]) -> Iterator[Placed]:
-    """Yield the validation calls of the given cells in order. Headings such as "Validation 2" do not count."""
+    """Yield the validation calls of the given cells in order.
+    Headings such as "Validation 2" do not count.
+    """
     heading, code = "", iter(published)
     for cell in cells:
         heading = next((text for _, text in reversed(cell.headings) if not VALIDATION.match(text)), heading)
@@ -149,21 +162,28 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
     for line in lines:
         call = next((call for call in left if call.label == line.label), None)
         if call is None:
-            yield f"line {line.line}: no validation cell has, after the lines before, the label {line.label!r}"
+            yield (
+                f"line {line.line}: no validation cell has, after the lines before, the label {line.label!r}"
+            )
             continue
         left = left[left.index(call) + 1 :]
         if not (line.truth is None or TRUTH.holds(line.truth)):
             yield f"line {line.line}: truth is {line.truth!r}; it must be {TRUTH.text}"
         if line.truth is not None and call.kind != "close":
             remedy = "use trust=True, or ask a question"
-            yield f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace: {remedy}"
+            yield (
+                f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace:"
+                f" {remedy}"
+            )
         elif line.truth is not None and call.computed:
             remedy = "write it there as a number, or ask a question"
             widened = f"the validation cell computes {call.computed[0]}, which the student's code could widen"
             yield f"line {line.line}: {widened}: {remedy}"
 
 
-def reported_exercises(exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[Exercise]:
+def reported_exercises(
+    exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]
+) -> Iterator[Exercise]:
     """Yield the exercises with their lines as checks. The student defines the names that their cells read."""
     if not any(section.lines for section in sections):
         yield from exercises
@@ -193,11 +213,30 @@ def _check(id: str, line: Line, cell: PublishedCell, call: Call) -> ReportedLine
 
     reason = NOTEBOOK if line.counts else f"{NOTEBOOK}; {SELF_REPORTED}"
     points = line.points if line.counts else 0
-    return ReportedLine(id, line.label, (), word, Tolerance(reason=reason), points=points, cell=cell.name, call=call, declared=line)
+    return ReportedLine(
+        id,
+        line.label,
+        (),
+        word,
+        Tolerance(reason=reason),
+        points=points,
+        cell=cell.name,
+        call=call,
+        declared=line,
+    )
 
 
 def read_names(cells: Sequence[PublishedCell], used: Sequence[PublishedCell]) -> list[str]:
-    """Return the names that the cells ``used`` read and that no given cell binds: the student must define them."""
-    given = {name for cell in cells if cell.is_given for s in statements_of(cell.source) for name in s.names.bound}
-    read = [name for cell in used for s in statements_of(cell.source) for name in sorted(s.names.now | s.names.later)]
+    """Return the names that the cells ``used`` read and that no given cell binds: the student must define
+    them.
+    """
+    given = {
+        name for cell in cells if cell.is_given for s in statements_of(cell.source) for name in s.names.bound
+    }
+    read = [
+        name
+        for cell in used
+        for s in statements_of(cell.source)
+        for name in sorted(s.names.now | s.names.later)
+    ]
     return [name for name in dict.fromkeys(read) if name not in given and not hasattr(builtins, name)]

@@ -1,8 +1,8 @@
 """The students' kit of an assignment as a wheel: ``ecp``, and the assignment's public side with the exact
 arrays of its public scenes.
 
-Each kit is a distribution of its own, ``polhode-kit-SLUG``, that contains all of ``ecp``. Several of them can be
-installed in one environment: each has its own folder below ecp/assignments.
+Each kit is a distribution of its own, ``polhode-kit-SLUG``, that contains all of ``ecp``. Several of them can
+be installed in one environment: each has its own folder below ecp/assignments.
 """
 
 import functools
@@ -36,7 +36,8 @@ Requires-Dist: matplotlib
 
 
 def filename(slug: str | None = None) -> str:
-    """Return the wheel's file name. A notebook may contain its address for years, so it changes only with ``ecp.KIT``.
+    """Return the wheel's file name. A notebook may contain its address for years, so it changes only with
+    ``ecp.KIT``.
 
     Without ``slug`` it is the kit with all assignments, whose address notebooks of older versions contain.
     """
@@ -62,7 +63,9 @@ def wheel(slug: str | None = None, server: str | None = None) -> bytes:
         made = {"build": build(one.slug)} | ({"server": server} if server else {})
         files[f"{_home(one)}/made.json"] = json.dumps(made).encode()
     metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
-    metadata += "".join(f"Requires-Dist: {name}\n" for name in sorted({name for one in _held(slug) for name in one.packages}))
+    metadata += "".join(
+        f"Requires-Dist: {name}\n" for name in sorted({name for one in _held(slug) for name in one.packages})
+    )
     return zipfiles.wheel(info, metadata, files)
 
 
@@ -91,7 +94,9 @@ def _held(slug: str | None) -> list[Assignment]:
 @functools.cache
 def _content(slug: str | None) -> dict[str, bytes]:
     kit = Path(ecp.__path__[0])
-    found = {f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))}
+    found = {
+        f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))
+    }
     for one in _held(slug):
         found |= {f"{_home(one)}/data/{name}": (one.folder / name).read_bytes() for name in one.data}
         if one.questions or (one.folder / "public").is_dir():
@@ -108,13 +113,17 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     yield "plays.py", assignment.plays.encode()
     used = {name for e in assignment.exercises for name in e.scenes()}
     scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]
-    precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
+    precursors = {
+        after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None
+    }
     sent = list(dict.fromkeys([*precursors.values(), *scenes]))
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
     declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
     titles = {e.number: e.title for e in assignment.exercises}
     asked = assignment.questions.items()
-    declared["exercises"] = [{"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked]
+    declared["exercises"] = [
+        {"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked
+    ]
     yield (
         "public.json",
         json.dumps(declared, default=lambda x: dict(x) if isinstance(x, Mapping) else x.tolist()).encode(),
@@ -123,7 +132,9 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 
 def _declared(scene: Scene) -> dict[str, Any]:
-    declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
+    declared = {
+        name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")
+    }
     declared["returns"] = {name: vars(spec) for name, spec in scene.returns.items()}
     declared |= {"known": list(scene.known), "needs": list(scene.needs)}
     return declared | ({} if scene.question is None else {"question": scene.question})
@@ -133,7 +144,11 @@ def _drawn_once(scene: Scene) -> Scene:
     """Return a scene that others come after, with one fixed draw of its inputs: its answers only serve the
     diagnosis.
     """
-    return replace(scene, inputs=scene.inputs(np.random.default_rng(0)), known=()) if callable(scene.inputs) else scene
+    return (
+        replace(scene, inputs=scene.inputs(np.random.default_rng(0)), known=())
+        if callable(scene.inputs)
+        else scene
+    )
 
 
 def _truth(scene: Scene) -> Mapping[str, Any]:

@@ -16,13 +16,18 @@ def zipped(files: Mapping[str, bytes], runnable: Collection[str] = ()) -> bytes:
     with zipfile.ZipFile(stream, "w") as archive:
         for name, content in files.items():
             about = zipfile.ZipInfo(name, EPOCH)
-            about.create_system, about.external_attr = 3, (0o100755 if name in runnable else 0o100644) << 16  # 3: Unix
+            about.create_system, about.external_attr = (
+                3,
+                (0o100755 if name in runnable else 0o100644) << 16,
+            )  # 3: Unix
             archive.writestr(about, content, zipfile.ZIP_DEFLATED)
     return stream.getvalue()
 
 
 def wheel(info: str, metadata: str, files: Mapping[str, bytes]) -> bytes:
-    """Return a pure wheel of ``files``; ``info`` is the name of its .dist-info folder, to which its own files are added."""
+    """Return a pure wheel of ``files``; ``info`` is the name of its .dist-info folder, to which its own files
+    are added.
+    """
     files = {**files, f"{info}/METADATA": metadata.encode(), f"{info}/WHEEL": WHEEL}
     record = []
     for name, content in files.items():

@@ -3,10 +3,11 @@
 Conventions of this package:
 
 * ``I`` (3,): principal moments I₁, I₂, I₃ in kg m², in the order of the body axes ê₁, ê₂, ê₃.
-* ``w`` (3,) or (3, n): angular velocity ω in rad/s, components along the *body* axes; time runs along the last axis.
+* ``w`` (3,) or (3, n): angular velocity ω in rad/s, components along the *body* axes; time runs along the
+  last axis.
 * ``t`` (n,): seconds. The motion starts at t = 0.
-* ``R`` (3, 3) or (n, 3, 3): the attitude as a matrix *body → space*: ``x_space = R @ x_body``; its columns are the body axes
-  seen from space.
+* ``R`` (3, 3) or (n, 3, 3): the attitude as a matrix *body → space*: ``x_space = R @ x_body``; its columns
+  are the body axes seen from space.
 """
 
 from reference.euler import attitude_rate, euler_rhs

@@ -1,4 +1,6 @@
-"""Deviations of a method's run from the exact motion over the whole time grid, for the charts and the atlas."""
+"""Deviations of a method's run from the exact motion over the whole time grid,
+for the charts and the atlas.
+"""
 
 import math
 from typing import NamedTuple
@@ -15,7 +17,8 @@ class Errors(NamedTuple):
     """Largest deviations over a run; infinite if it diverges.
 
     ``w`` is relative to |ω₀|, ``energy`` and ``momentum`` (|L|) are relative to their start; ``R`` and
-    ``orthonormality`` are elements of matrices. For a heavy top ``momentum`` is that of L_z or L₃, relative to
+    ``orthonormality`` are elements of matrices. For a heavy top ``momentum`` is that of L_z or L₃, relative
+    to
     |L| at the start.
     """
 
@@ -52,13 +55,16 @@ def _energy(scene: Scene, w: ArrayLike, R: NDArray[np.float64]) -> NDArray[np.fl
 
 
 def _momentum(scene: Scene, run: Run) -> NDArray[np.float64]:
-    """Return how far |L| (n,) has drifted, or L_z and L₃ (2, n) of a heavy top, relative to |L| at the start."""
+    """Return how far |L| (n,) has drifted, or L_z and L₃ (2, n) of a heavy top,
+    relative to |L| at the start.
+    """
     size = momentum_norm(scene.w0, scene.I)
     if not scene.mgl:
         return momentum_norm(run.w, scene.I) / size - 1
     start = np.array(scene.w0)[:, None]
     kept, kept0 = (
-        np.array([space_momentum(R, w, scene.I)[:, 2], scene.I[2] * w[2]]) for R, w in ((run.R, run.w), (scene.R0[None], start))
+        np.array([space_momentum(R, w, scene.I)[:, 2], scene.I[2] * w[2]])
+        for R, w in ((run.R, run.w), (scene.R0[None], start))
     )
     return (kept - kept0) / size
 

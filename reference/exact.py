@@ -28,7 +28,8 @@ SERIES: dict[str, type[theta.Series]] = {
     "direct": theta.Direct,
     "dual": theta.Dual,
 }
-# The ten products of a quaternion's parts s, x, y, z, and the nine entries of its matrix (times its square, the tenth row) in them.
+# The ten products of a quaternion's parts s, x, y, z, and the nine entries of its matrix (times its square,
+# the tenth row) in them.
 LEFT, RIGHT = [0, 1, 2, 3, 0, 0, 0, 1, 1, 2], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3]
 ENTRIES = np.array(
     [

@@ -1,9 +1,10 @@
 """The closed-form motion of a heavy symmetric top about a fixed point, by Jacobi's elliptic functions.
 
-``y`` (6,) or (6, n) is (θ, φ, ψ, θ̇, φ̇, ψ̇): the tilt θ of the body axis ê₃ from the vertical, the precession φ
-about the vertical, the spin ψ about ê₃, in rad and rad/s, with R = R_z(φ) R_x(θ) R_z(ψ) body → space. Gravity
-pulls along −z with the torque ``mgl`` sin θ in N m. cos θ oscillates between two roots of a cubic as sn², and φ
-and ψ are integrals of the third kind (Landau & Lifshitz, Mechanics, §35; Whittaker, Analytical Dynamics, §71).
+``y`` (6,) or (6, n) is (θ, φ, ψ, θ̇, φ̇, ψ̇): the tilt θ of the body axis ê₃ from the vertical, the
+precession φ about the vertical, the spin ψ about ê₃, in rad and rad/s, with R = R_z(φ) R_x(θ) R_z(ψ) body →
+space. Gravity pulls along −z with the torque ``mgl`` sin θ in N m. cos θ oscillates between two roots of a
+cubic as sn², and φ and ψ are integrals of the third kind (Landau & Lifshitz, Mechanics, §35; Whittaker,
+Analytical Dynamics, §71).
 """
 
 import math
@@ -23,7 +24,8 @@ EVEN = 1e-8  # arithmetic-geometric mean: one more step would change nothing
 
 
 class _Pole(NamedTuple):
-    """What one pole adds to φ̇, ``factor`` / ``least`` / (1 − n sn²): ``nc`` = 1 − n, and ``least`` = 1 ∓ cos θ where sn = 0.
+    """What one pole adds to φ̇, ``factor`` / ``least`` / (1 − n sn²): ``nc`` = 1 − n, and ``least`` = 1 ∓ cos
+    θ where sn = 0.
 
     ``size`` is the factor of Π(n; x) in φ, ``mean`` is Π/K.
     """
@@ -37,11 +39,12 @@ class _Pole(NamedTuple):
 
 
 class HeavyTop:
-    """The motion from ``y0`` (6,) at t = 0 of a top with moments ``I1`` = I₂ and ``I3`` about the fixed point, in kg m².
+    """The motion from ``y0`` (6,) at t = 0 of a top with moments ``I1`` = I₂ and ``I3`` about the fixed
+    point, in kg m².
 
-    ``mgl`` > 0 is weight times distance from the fixed point to the centre of mass, in N m. Angles and R deviate
-    from 60-digit integrations by less than 1e-12 over 100 nutations. Raises ValueError for values that are not
-    finite or positive, and for a motion through θ = 0 or π, where Euler angles are not defined.
+    ``mgl`` > 0 is weight times distance from the fixed point to the centre of mass, in N m. Angles and R
+    deviate from 60-digit integrations by less than 1e-12 over 100 nutations. Raises ValueError for values
+    that are not finite or positive, and for a motion through θ = 0 or π, where Euler angles are not defined.
     """
 
     def __init__(self, y0: ArrayLike, I1: float, I3: float, mgl: float) -> None:
@@ -52,7 +55,9 @@ class HeavyTop:
             raise ValueError(f"I1, I3 and mgl must be positive; got {I1}, {I3} and {mgl}")
         self._y0 = start
         with gmpy2.context(precision=BITS):
-            self._solve([gmpy2.mpfr(x) for x in start.tolist()], gmpy2.mpfr(I1), gmpy2.mpfr(I3), gmpy2.mpfr(mgl))
+            self._solve(
+                [gmpy2.mpfr(x) for x in start.tolist()], gmpy2.mpfr(I1), gmpy2.mpfr(I3), gmpy2.mpfr(mgl)
+            )
 
     def _solve(self, y0: list[Real], i1: Real, i3: Real, mgl: Real) -> None:
         theta, _, _, nod, swing, spin = y0
@@ -61,15 +66,23 @@ class HeavyTop:
         l3 = i3 * w3
         lz = i1 * swing * sine**2 + l3 * u0
         tilting = i1 / 2 * (nod**2 + (swing * sine) ** 2) + mgl * u0  # E − L₃²/2I₃
-        low, high, far = _roots(tilting / mgl, lz**2 / (2 * i1 * mgl), l3**2 / (2 * i1 * mgl), lz * l3 / (i1 * mgl))
+        low, high, far = _roots(
+            tilting / mgl, lz**2 / (2 * i1 * mgl), l3**2 / (2 * i1 * mgl), lz * l3 / (i1 * mgl)
+        )
         if min(1 - high, 1 + low) < UPRIGHT:
-            raise ValueError("the top passes through θ = 0 or π, where Euler angles are not defined: change a rate at the start")
+            raise ValueError(
+                "the top passes through θ = 0 or π, where Euler angles are not defined: change a rate at the"
+                " start"
+            )
         gap, width = high - low, far - low
         kc = gmpy2.sqrt((far - high) / width)
         rate = gmpy2.sqrt(mgl * width / (2 * i1))
         sin2 = min(max((u0 - low) / gap, gmpy2.mpfr(0)), gmpy2.mpfr(1)) if gap > UPRIGHT else gmpy2.mpfr(0)
         poles = []
-        for factor, least, most in (((lz - l3) / (2 * i1), 1 - low, 1 - high), ((lz + l3) / (2 * i1), 1 + low, 1 + high)):
+        for factor, least, most in (
+            ((lz - l3) / (2 * i1), 1 - low, 1 - high),
+            ((lz + l3) / (2 * i1), 1 + low, 1 + high),
+        ):
             found = integrals(kc, gmpy2.sqrt(most / least), 1 - sin2, sin2)
             nc = most / least
             poles.append((factor, least, 1 - nc, nc, factor / (least * rate), found.pi / found.k))
@@ -113,10 +126,17 @@ class HeavyTop:
         from_north, from_south = self._north.factor / above, self._south.factor / below
         periodic = self._periodic(x, (sn, cn, dn)) - self._first
         angles = np.array(
-            [2 * np.arctan2(np.sqrt(above), np.sqrt(below)), *(self._y0[1:3, None] + 2 * np.pi * rest[1:] + periodic)]
+            [
+                2 * np.arctan2(np.sqrt(above), np.sqrt(below)),
+                *(self._y0[1:3, None] + 2 * np.pi * rest[1:] + periodic),
+            ]
         )
         nod = -2 * self._gap * self._rate * sn * cn * dn / np.sqrt(above * below)
-        return whole[1:], angles, np.array([nod, from_north + from_south, self._steady - from_north + from_south])
+        return (
+            whole[1:],
+            angles,
+            np.array([nod, from_north + from_south, self._steady - from_north + from_south]),
+        )
 
     def _functions(self, rest: Array) -> tuple[Array, tuple[Array, Array, Array]]:
         x = 2 * self._quarter * rest
@@ -125,7 +145,11 @@ class HeavyTop:
     def _periodic(self, x: Array, functions: tuple[Array, Array, Array]) -> Array:
         """Return the periodic parts (2, n) of φ and ψ."""
         north, south = (
-            pole.size * (third_kind(*functions, pole.n, pole.nc) - pole.mean * x) if pole.size else np.zeros_like(x)
+            (
+                pole.size * (third_kind(*functions, pole.n, pole.nc) - pole.mean * x)
+                if pole.size
+                else np.zeros_like(x)
+            )
             for pole in (self._north, self._south)
         )
         return np.array([north + south, south - north])
@@ -165,7 +189,9 @@ def jacobi(x: Array, kc: float) -> tuple[Array, Array, Array]:
 
 
 def third_kind(sn: Array, cn: Array, dn: Array, n: float, nc: float) -> Array:
-    """Return Π(n; x) (n,) for |x| ≤ K, where ``nc`` = 1 − n > 0, by Carlson's symmetric integrals (DLMF §19.25(i))."""
+    """Return Π(n; x) (n,) for |x| ≤ K, where ``nc`` = 1 − n > 0, by Carlson's symmetric integrals (DLMF
+    §19.25(i)).
+    """
     from scipy.special import elliprf, elliprj  # 0.2 s, which a process without tops saves
 
     s2 = sn**2
@@ -194,11 +220,17 @@ def euler_angle_rates(y: ArrayLike, I1: float, I3: float, mgl: float) -> Array:
 
 
 def euler_state(w: ArrayLike, R: ArrayLike) -> Array:
-    """Return y (6,) of ``w`` (3,) in rad/s, body axes, and ``R`` (3, 3), body → space, with θ strictly between 0 and π."""
+    """Return y (6,) of ``w`` (3,) in rad/s, body axes, and ``R`` (3, 3), body → space, with θ strictly
+    between 0 and π.
+    """
     w1, w2, w3 = np.asarray(w, dtype=float)
     attitude = np.asarray(R, dtype=float)
     x, y, z = attitude[2]
-    theta, phi, psi = np.arctan2(np.hypot(x, y), z), np.arctan2(attitude[0, 2], -attitude[1, 2]), np.arctan2(x, y)
+    theta, phi, psi = (
+        np.arctan2(np.hypot(x, y), z),
+        np.arctan2(attitude[0, 2], -attitude[1, 2]),
+        np.arctan2(x, y),
+    )
     c, s = np.cos(psi), np.sin(psi)
     swing = (w1 * s + w2 * c) / np.sin(theta)
     return np.array([theta, phi, psi, w1 * c - w2 * s, swing, w3 - swing * np.cos(theta)])

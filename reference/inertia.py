@@ -1,4 +1,6 @@
-"""Moments of inertia: the uniform box, the principal moments of a tensor, and the conditions a real body meets."""
+"""Moments of inertia: the uniform box, the principal moments of a tensor, and the conditions a real body
+meets.
+"""
 
 import math
 
@@ -29,7 +31,9 @@ def box_tensor(m: float, a: float, b: float, c: float, R: ArrayLike) -> Array:
 
 
 def principal_moments(tensor: ArrayLike) -> Array:
-    """Return the principal moments (..., 3), ascending, of symmetric tensors (..., 3, 3) in the tensors' unit."""
+    """Return the principal moments (..., 3), ascending, of symmetric tensors (..., 3, 3) in the tensors'
+    unit.
+    """
     return np.linalg.eigvalsh(np.asarray(tensor, dtype=float))
 
 

@@ -1,4 +1,6 @@
-"""A method as a chart needs it: a name, an order, settings from coarse to fine, and a function that runs a scene."""
+"""A method as a chart needs it: a name, an order, settings from coarse to fine, and a function that runs a
+scene.
+"""
 
 import math
 from collections.abc import Callable
@@ -81,7 +83,9 @@ class Method:
 STEPS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
 
 
-def fixed(name: str, line: str, order: int, kernel: Callable[[Array, Array, float, int, int, Array, Array], int]) -> Method:
+def fixed(
+    name: str, line: str, order: int, kernel: Callable[[Array, Array, float, int, int, Array, Array], int]
+) -> Method:
     """Return a fixed-step method from a compiled ``kernel(w0, I, h, intervals, steps, w, R)`` that fills w
     (n, 3) and R (n, 3, 3).
 

@@ -27,7 +27,9 @@ class Motion:
     why: str
 
 
-def motion(w0: ArrayLike, I: ArrayLike, t: ArrayLike, need: Need = "omega", R0: ArrayLike | None = None) -> Motion:
+def motion(
+    w0: ArrayLike, I: ArrayLike, t: ArrayLike, need: Need = "omega", R0: ArrayLike | None = None
+) -> Motion:
     """Return the exact motion from ω(0) = ``w0`` (3,) rad/s and R(0) = ``R0`` (3, 3) (default 1) of a body
     with moments ``I`` (3,) kg m².
 

@@ -12,7 +12,9 @@ def kinetic_energy(w: ArrayLike, I: ArrayLike) -> Array:
 
 
 def angular_momentum(w: ArrayLike, I: ArrayLike) -> Array:
-    """Return L = (I₁ω₁, I₂ω₂, I₃ω₃) (3, ...) in kg m²/s, *body* components, of ``w`` (3, ...) and ``I`` (3,)."""
+    """Return L = (I₁ω₁, I₂ω₂, I₃ω₃) (3, ...) in kg m²/s, *body* components, of ``w`` (3,
+    ...) and ``I`` (3,).
+    """
     return np.einsum("i,i...->i...", np.asarray(I, dtype=float), np.asarray(w, dtype=float))
 
 

@@ -87,11 +87,18 @@ def _polhode(order: list[int], moments: list[Real], w: list[Real]) -> Polhode:
     k2, kc2 = iab * dc / above, i31 * abs(d2) / above
     rate = sense * gmpy2.sqrt(above / (ia * i2 * ic))
     momentum, size_c = gmpy2.sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]), gmpy2.sqrt(ic * da / i31)
-    cos2, sin2, far_side = qa * i31 / dc, q2 * icb / dc, sign_a * m[a] < 0  # of the amplitude of u at t = 0; their sum is exactly 1
+    cos2, sin2, far_side = (
+        qa * i31 / dc,
+        q2 * icb / dc,
+        sign_a * m[a] < 0,
+    )  # of the amplitude of u at t = 0; their sum is exactly 1
     offset = float(ia * icb), float(ic * iab)  # sn²(y₀, k') : cn²(y₀, k'), from the moments only
     if kc2 == 0:
         mean, start = dc / momentum**2 * ia / i31, gmpy2.asinh(gmpy2.sqrt(sin2 / cos2))
-        phase, shape = (-rate if far_side else rate), (0.0, math.atan2(math.sqrt(offset[0]), math.sqrt(offset[1])), math.inf)
+        phase, shape = (
+            (-rate if far_side else rate),
+            (0.0, math.atan2(math.sqrt(offset[0]), math.sqrt(offset[1])), math.inf),
+        )
     else:
         root_n = gmpy2.sqrt(1 + ic * iab / (ia * icb))
         found = integrals(gmpy2.sqrt(kc2), root_n, cos2, sin2)

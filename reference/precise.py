@@ -72,8 +72,14 @@ def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
         gap = 2 * gmpy2.sqrt(e)
         e = gap * mean
     quarter = gmpy2.const_pi() / 2
-    last = gmpy2.mpfr(math.atan(mean / cot) / math.pi) + (cot < 0)  # to a double's rounding: the doublings divide its error
-    return Integrals(quarter * doublings / mean, quarter * (b + a * mean) / (mean * (mean + p)), (halves + last) / doublings)
+    last = gmpy2.mpfr(math.atan(mean / cot) / math.pi) + (
+        cot < 0
+    )  # to a double's rounding: the doublings divide its error
+    return Integrals(
+        quarter * doublings / mean,
+        quarter * (b + a * mean) / (mean * (mean + p)),
+        (halves + last) / doublings,
+    )
 
 
 def turns(rates: Sequence[Pair], starts: Sequence[Pair], t: Array) -> tuple[Array, Array]:

@@ -50,7 +50,8 @@ def sensitivity(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400) -
 
 
 def sensitivities(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400) -> tuple[float, float]:
-    """Return κ as ``sensitivity`` does, and in s: an error of at most δ rad/s² anywhere in ω̇ moves ω by at most that times δ.
+    """Return κ as ``sensitivity`` does, and in s: an error of at most δ rad/s² anywhere in ω̇ moves ω by at
+    most that times δ.
 
     It is max_t ∫₀ᵗ ‖∂ω(t)/∂ω(s)‖ ds.
     """
@@ -64,13 +65,16 @@ def sensitivities(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400)
     between = flow[later] @ np.linalg.inv(flow)[earlier]
     norms[later, earlier] = np.sqrt(_largest_eigenvalue(np.swapaxes(between, 1, 2) @ between))
     weighted = norms * np.array([speed, np.ones(samples)])[:, None]
-    worst = np.tril((weighted[:, :, 1:] + weighted[:, :, :-1]) / 2 * np.diff(times), -1).sum(axis=2).max(axis=1)
+    worst = (
+        np.tril((weighted[:, :, 1:] + weighted[:, :, :-1]) / 2 * np.diff(times), -1).sum(axis=2).max(axis=1)
+    )
     return float(worst[0]) / float(np.linalg.norm(start)), float(worst[1])
 
 
 def _largest_eigenvalue(A: Array) -> Array:
-    """Return the largest eigenvalue (n,) of symmetric matrices (n, 3, 3) by the trigonometric solution of the cubic (Smith, Commun.
-    ACM 4, 1961), to a relative 1e-7 if the two largest are nearly equal and to rounding else.
+    """Return the largest eigenvalue (n,) of symmetric matrices (n, 3, 3) by the trigonometric solution of the
+    cubic (Smith, Commun. ACM 4, 1961), to a relative 1e-7 if the two largest are nearly equal and to rounding
+    else.
     """
     mean = np.trace(A, axis1=1, axis2=2) / 3
     x, y, z = (A[:, k, k] - mean for k in range(3))

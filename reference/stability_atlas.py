@@ -51,13 +51,22 @@ def long_runs(methods: tuple[str, ...], periods: tuple[int, ...] = (10, 100, 100
 
 
 def separatrix(nudges: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)) -> list[Row]:
-    """Measure errors over two passages of the book, nudged off its intermediate axis, for each method at its best."""
+    """Measure errors over two passages of the book, nudged off its intermediate axis, for each method at its
+    best.
+    """
     found: list[Row] = []
     for nudge in nudges:
         w0 = (6 * nudge, 6.0, 0.7 * 6 * nudge)
         scene = Scene("nudge", w0, BOOK, 2.1 * Exact(w0, BOOK).period, intervals=400)
         for name, setting in (("DOP853", 1e-9), ("DOP853", 1e-13), ("LSODA", 1e-13)):
-            found.append({**_errors(scene, BY_NAME[name].run(scene, setting)), "method": name, "setting": setting, "nudge": nudge})
+            found.append(
+                {
+                    **_errors(scene, BY_NAME[name].run(scene, setting)),
+                    "method": name,
+                    "setting": setting,
+                    "nudge": nudge,
+                }
+            )
     return found
 
 
@@ -81,7 +90,9 @@ def gimbal_lock(tilts: tuple[float, ...] = (1.0, 1e-1, 1e-2, 1e-4, 1e-6)) -> lis
     found: list[Row] = []
     for tilt in tilts:
         run = euler_angles(scene, 1e-11, tilt)
-        found.append({**_errors(scene, run), "tilt": tilt, "calls": float(run.calls), "matrix calls": float(base)})
+        found.append(
+            {**_errors(scene, run), "tilt": tilt, "calls": float(run.calls), "matrix calls": float(base)}
+        )
     return found
 
 
@@ -91,13 +102,22 @@ def heavy_gimbal_lock(tilts: tuple[float, ...] = (1.0, 1e-1, 1e-2, 1e-4, 1e-6)) 
     for tilt in tilts:
         scene = Scene("heavy top", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=tilt)
         run, matrix = heavy.euler_angles(scene, 1e-11), HEAVY_BY_NAME["DOP853"].run(scene, 1e-11)
-        found.append({**_errors(scene, run), "tilt": tilt, "calls": float(run.calls), "matrix calls": float(matrix.calls)})
+        found.append(
+            {
+                **_errors(scene, run),
+                "tilt": tilt,
+                "calls": float(run.calls),
+                "matrix calls": float(matrix.calls),
+            }
+        )
     return found
 
 
-def sleeping_top(ratios: tuple[float, ...] = (0.3, 0.6, 0.9, 0.98, 1.02, 1.1, 1.5), nudge: float = 1e-6) -> list[Row]:
-    """Measure the largest tilt over one nutation of a top that starts ``nudge`` rad from the vertical, for spins
-    ω₃ of ``ratios`` times the limit 2 (I₁ mgl)^½ / I₃.
+def sleeping_top(
+    ratios: tuple[float, ...] = (0.3, 0.6, 0.9, 0.98, 1.02, 1.1, 1.5), nudge: float = 1e-6
+) -> list[Row]:
+    """Measure the largest tilt over one nutation of a top that starts ``nudge`` rad from the vertical, for
+    spins ω₃ of ``ratios`` times the limit 2 (I₁ mgl)^½ / I₃.
     """
     I1, I3, mgl, found = 1.0, 0.6, 10.0, list[Row]()
     for ratio in ratios:
@@ -106,7 +126,12 @@ def sleeping_top(ratios: tuple[float, ...] = (0.3, 0.6, 0.9, 0.98, 1.02, 1.1, 1.
         scene = replace(scene, t_end=scene.top().period)
         tilt = np.arccos(np.minimum(HEAVY_BY_NAME["DOP853"].run(scene, 1e-11).R[:, 2, 2], 1.0))
         found.append(
-            {"method": "DOP853", "spin": ratio, "largest tilt": float(tilt.max()), "exact tilt": scene.top().turning_points[1]}
+            {
+                "method": "DOP853",
+                "spin": ratio,
+                "largest tilt": float(tilt.max()),
+                "exact tilt": scene.top().turning_points[1],
+            }
         )
     return found
 
@@ -143,13 +168,24 @@ def growth_map(resolution: int = 12, spin: float = 1.0, nudge: float = 1e-9) -> 
             t = np.linspace(0.0, np.log(1e3) / sigma, 2)
             w = Exact(growing + [0.0, spin, 0.0], body).omega(t)
             gained = transverse_growth(w, 1, spin) / transverse_growth(w[:, :1], 1, spin)
-            found.append({"I1": body[0], "I2": body[1], "predicted": sigma / spin, "measured": float(np.log(gained) / t[1] / spin)})
+            found.append(
+                {
+                    "I1": body[0],
+                    "I2": body[1],
+                    "predicted": sigma / spin,
+                    "measured": float(np.log(gained) / t[1] / spin),
+                }
+            )
     return found
 
 
 def _errors(scene: Scene, run: Run) -> Row:
     found = errors(scene, run, exact_run(scene))
-    return {"error": found.w, "error R": found.R, **{k: v for k, v in found._asdict().items() if k not in "wR"}}
+    return {
+        "error": found.w,
+        "error R": found.R,
+        **{k: v for k, v in found._asdict().items() if k not in "wR"},
+    }
 
 
 def _column(rows: list[Row], name: str, **wanted: float | str) -> list[float]:
@@ -163,11 +199,13 @@ def _tenfold(values: list[float]) -> bool:
 ATLAS = (
     Entry(
         "energy drifts",
-        "RK4 loses energy in proportion to time: each tenfold longer run, ten times the drift; splitting 6 does not drift",
+        "RK4 loses energy in proportion to time: each tenfold longer run, ten times the drift; splitting 6"
+        " does not drift",
         partial(long_runs, ("RK4", "splitting 6")),
         lambda rows: (
             _tenfold(_column(rows, "energy", method="RK4"))
-            and max(_column(rows, "energy", method="splitting 6")) < 2 * min(_column(rows, "energy", method="splitting 6"))
+            and max(_column(rows, "energy", method="splitting 6"))
+            < 2 * min(_column(rows, "energy", method="splitting 6"))
         ),
     ),
     Entry(
@@ -187,13 +225,18 @@ ATLAS = (
     ),
     Entry(
         "the wrong side of the separatrix",
-        "nudged by 1e-8, no double-precision stepper finds the side on which the motion passes, at any tolerance",
+        "nudged by 1e-8, no double-precision stepper finds the side on which the motion passes, at any"
+        " tolerance",
         separatrix,
-        lambda rows: min(_column(rows, "error", nudge=1e-8)) > 1 and max(_column(rows, "error", nudge=1e-2, setting=1e-13)) < 1e-7,
+        lambda rows: (
+            min(_column(rows, "error", nudge=1e-8)) > 1
+            and max(_column(rows, "error", nudge=1e-2, setting=1e-13)) < 1e-7
+        ),
     ),
     Entry(
         "large steps blow up",
-        "explicit methods leave the sphere of |L| at steps of a radian or more; Gauss and splitting stay on it",
+        "explicit methods leave the sphere of |L| at steps of a radian or more; Gauss and splitting stay"
+        " on it",
         large_steps,
         lambda rows: (
             not max(_column(rows, "momentum", method="Euler", angle=0.5)) < 1e3
@@ -203,13 +246,18 @@ ATLAS = (
     ),
     Entry(
         "gimbal lock",
-        "Euler angles need at least three times the calls of the matrix form, and more the nearer the start is to the vertical",
+        "Euler angles need at least three times the calls of the matrix form, and more the nearer the start"
+        " is to the vertical",
         gimbal_lock,
-        lambda rows: rows[1]["calls"] > 2.5 * rows[1]["matrix calls"] and rows[-1]["calls"] > 8 * rows[-1]["matrix calls"],  # type: ignore[operator]
+        lambda rows: (
+            rows[1]["calls"] > 2.5 * rows[1]["matrix calls"]
+            and rows[-1]["calls"] > 8 * rows[-1]["matrix calls"]
+        ),  # type: ignore[operator]
     ),
     Entry(
         "gimbal lock of the heavy top",
-        "a heavy top that passes near the vertical costs Euler angles ever more calls, and R as many as any other motion",
+        "a heavy top that passes near the vertical costs Euler angles ever more calls, and R as many as any"
+        " other motion",
         heavy_gimbal_lock,
         lambda rows: (
             float(rows[-1]["calls"]) > 5 * float(rows[0]["calls"])
@@ -218,18 +266,22 @@ ATLAS = (
     ),
     Entry(
         "the sleeping top wakes",
-        "below ω₃ = 2 (I₁ mgl)^½ / I₃ a nudge of 1e-6 rad becomes a tilt of 2 arccos(ω₃ / limit); above, it stays a nudge",
+        "below ω₃ = 2 (I₁ mgl)^½ / I₃ a nudge of 1e-6 rad becomes a tilt of 2 arccos(ω₃ / limit); above, it"
+        " stays a nudge",
         sleeping_top,
         lambda rows: all(
-            abs(float(r["largest tilt"]) / (2 * np.arccos(float(r["spin"]))) - 1) < 1e-3
-            if float(r["spin"]) < 1
-            else float(r["largest tilt"]) < 1e-5
+            (
+                abs(float(r["largest tilt"]) / (2 * np.arccos(float(r["spin"]))) - 1) < 1e-3
+                if float(r["spin"]) < 1
+                else float(r["largest tilt"]) < 1e-5
+            )
             for r in rows
         ),
     ),
     Entry(
         "rods cost",
-        "each tenfold thinner rod costs DOP853 ten times the calls; the exact solution costs the same for all",
+        "each tenfold thinner rod costs DOP853 ten times the calls; the exact solution costs the same"
+        " for all",
         rods,
         lambda rows: _tenfold(_column(rows, "calls", method="DOP853")),
     ),
@@ -237,6 +289,8 @@ ATLAS = (
         "growth of steady spin",
         "about the intermediate axis a nudge grows at the predicted rate, over the whole triangle of moments",
         growth_map,
-        lambda rows: all(abs(float(r["measured"]) / float(r["predicted"]) - 1) < 1e-3 for r in rows) and len(rows) > 20,
+        lambda rows: (
+            all(abs(float(r["measured"]) / float(r["predicted"]) - 1) < 1e-3 for r in rows) and len(rows) > 20
+        ),
     ),
 )

@@ -96,7 +96,9 @@ class Direct:
 
 
 class Dual:
-    """k² > ½: series in e = exp(−π|u|/2K') and y = exp(π(|u| − K)/2K'), both at most 1, however near the separatrix."""
+    """k² > ½: series in e = exp(−π|u|/2K') and y = exp(π(|u| − K)/2K'), both at most 1, however near the
+    separatrix.
+    """
 
     def __init__(self, p: Polhode) -> None:
         self._ratio, self._offset, self._root = p.nome_ratio, p.offset, math.exp(-p.nome_ratio / 2)
@@ -140,7 +142,12 @@ class Dual:
         scale = 1 / bottom
         flipped, faded = scale * _flip(whole), e * scale
         return Along(
-            ma * e * flipped, np.copysign(mb, rest) * flipped, mc * faded, re, np.copysign(1.0, rest) * im, rest * self._offset
+            ma * e * flipped,
+            np.copysign(mb, rest) * flipped,
+            mc * faded,
+            re,
+            np.copysign(1.0, rest) * im,
+            rest * self._offset,
         )
 
 
@@ -160,7 +167,9 @@ class Separatrix:
 
 
 def _in_powers(c0: float, c1: float, c2: float, c3: float) -> tuple[float, float, float, float]:
-    """Return the coefficients of the powers of cos 2v in c₀ + c₁ cos 2v + c₂ cos 4v + c₃ cos 6v (Chebyshev)."""
+    """Return the coefficients of the powers of cos 2v in c₀ + c₁ cos 2v + c₂ cos 4v + c₃ cos 6v
+    (Chebyshev).
+    """
     return c0 - c2, c1 - 3 * c3, 2 * c2, 4 * c3
 
 

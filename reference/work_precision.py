@@ -32,7 +32,9 @@ SCENES = (
     Scene("separatrix, nudge 1e-8", _NEAR, _BOOK, 2.1 * Exact(_NEAR, _BOOK).period),
     Scene("rod, I₁ = 1e-4", (1 / _ROD, 0.3, 0.2), (_ROD, 1.0, 1.0 + _ROD / 2), 0.02),
     Scene("heavy top", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=0.6),
-    Scene("heavy top, 1e-3 rad from the vertical", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=1e-3),
+    Scene(
+        "heavy top, 1e-3 rad from the vertical", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=1e-3
+    ),
 )
 YARDSTICK, YARDSTICK_RTOL = "DOP853", 1e-11
 REPEATS = 3
@@ -62,8 +64,12 @@ class Point:
     ratio: float
 
 
-def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] | None = None, repeats: int = REPEATS) -> Iterator[Point]:
-    """Yield all points, scene by scene; without ``methods`` those of the scene's problem, torque-free body or heavy top."""
+def measure(
+    scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] | None = None, repeats: int = REPEATS
+) -> Iterator[Point]:
+    """Yield all points, scene by scene; without ``methods`` those of the scene's problem, torque-free body or
+    heavy top.
+    """
     for scene in scenes:
         exact, known = exact_run(scene), HEAVY if scene.mgl else METHODS
         yardstick = next(m for m in known if m.name == YARDSTICK)
@@ -71,8 +77,20 @@ def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] | None =
             for setting in method.settings:
                 with np.errstate(all="ignore"):
                     run = method.run(scene, setting)  # compiles what is not compiled yet
-                    cost = _paired(partial(method.run, scene, setting), partial(yardstick.run, scene, YARDSTICK_RTOL), repeats)
-                yield Point(scene.name, method.name, method.line, setting, *errors(scene, run, exact), run.calls, *cost)
+                    cost = _paired(
+                        partial(method.run, scene, setting),
+                        partial(yardstick.run, scene, YARDSTICK_RTOL),
+                        repeats,
+                    )
+                yield Point(
+                    scene.name,
+                    method.name,
+                    method.line,
+                    setting,
+                    *errors(scene, run, exact),
+                    run.calls,
+                    *cost,
+                )
 
 
 def rows(points: Iterable[Point]) -> list[dict[str, str | float | int]]:

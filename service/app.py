@@ -12,7 +12,17 @@ from fastapi.middleware.gzip import GZipMiddleware
 from fastapi.staticfiles import StaticFiles
 
 from exercises.catalogue import load_catalogue
-from service.api import events, exports, feedback, figures, health, history, kit, parse_submission, submissions
+from service.api import (
+    events,
+    exports,
+    feedback,
+    figures,
+    health,
+    history,
+    kit,
+    parse_submission,
+    submissions,
+)
 from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
@@ -86,8 +96,16 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
     Raises ValueError if ``settings.database_url`` is not set.
     """
     if settings.database_url is None:
-        raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
-    app = FastAPI(title="polhode", version="1", lifespan=partial(_lifespan, find_loss=find_loss), docs_url=None, redoc_url=None)
+        raise ValueError(
+            "create_app needs settings.database_url; polhode serve starts an embedded database for it"
+        )
+    app = FastAPI(
+        title="polhode",
+        version="1",
+        lifespan=partial(_lifespan, find_loss=find_loss),
+        docs_url=None,
+        redoc_url=None,
+    )
     app.state.held = {Settings: settings, oidc.Provider: oidc.Provider(settings)}
     errors.install(app)
     openapi.install(app)
@@ -95,16 +113,24 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
     if origins := settings.allowed_origins():
         methods = ["GET", "POST", "DELETE"]
         app.add_middleware(
-            CORSMiddleware, allow_origins=origins, allow_methods=methods, allow_headers=ALLOWED, expose_headers=EXPOSED
+            CORSMiddleware,
+            allow_origins=origins,
+            allow_methods=methods,
+            allow_headers=ALLOWED,
+            expose_headers=EXPOSED,
         )
     https = (settings.public_url or "").startswith("https://")
     app.add_middleware(middleware.RequestMiddleware, https=https)
     for router in ROUTERS:
         app.include_router(router)
     for router in PAGES:
-        app.include_router(router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)])
+        app.include_router(
+            router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)]
+        )
     files = StaticFiles(directory=Path(__file__).parent / "pages" / "static")
-    app.mount("/static", GZipMiddleware(files, compresslevel=6))  # pages are not: compression can leak a form's token
+    app.mount(
+        "/static", GZipMiddleware(files, compresslevel=6)
+    )  # pages are not: compression can leak a form's token
     app.include_router(course.others, include_in_schema=False)
     return app
 
@@ -114,16 +140,35 @@ async def _lifespan(app: FastAPI, find_loss: Callable[[], str | None]) -> AsyncI
     settings: Settings = app.state.held[Settings]
     assert settings.database_url is not None
     wait_s = settings.database_wait
-    database = Database(settings.database_url, "polhode web", connections=10, wait_s=wait_s, find_loss=find_loss)
+    database = Database(
+        settings.database_url, "polhode web", connections=10, wait_s=wait_s, find_loss=find_loss
+    )
     valid, invalid = load_catalogue()
     await register(database, valid.values())
     for broken in invalid.values():
         log.error("%s", broken)
     listener, renderer, hub = Listener(database), Renderer(), Hub(settings.hub_api_url, settings.hub_service)
     checker, large_bodies = PasswordChecker(database), parse_submission.LargeBodies(settings)
-    overview = ChangeFeed(listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease))
-    signing, limiter, workers = Secret(await secret(database, "forms")), LoginRateLimiter(), health.WorkerStatus(database)
-    for one in (database, listener, renderer, hub, checker, large_bodies, overview, signing, limiter, workers):
+    overview = ChangeFeed(
+        listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease)
+    )
+    signing, limiter, workers = (
+        Secret(await secret(database, "forms")),
+        LoginRateLimiter(),
+        health.WorkerStatus(database),
+    )
+    for one in (
+        database,
+        listener,
+        renderer,
+        hub,
+        checker,
+        large_bodies,
+        overview,
+        signing,
+        limiter,
+        workers,
+    ):
         app.state.held[type(one)] = one
     listener.start()
     try:

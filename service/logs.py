@@ -40,7 +40,8 @@ def handler(stream: TextIO) -> logging.Handler:
 
 
 class RepetitionLimit(logging.Filter):
-    """Passes at most MOST_LINES warnings and errors per PERIOD_S from one line of code, so that no client can fill the log.
+    """Passes at most MOST_LINES warnings and errors per PERIOD_S from one line of code, so that no client can
+    fill the log.
 
     The next line that passes has the number of those left out in its field ``left_out``.
     """
@@ -65,7 +66,11 @@ class RepetitionLimit(logging.Filter):
 
 def _with_ids(record: logging.LogRecord) -> bool:
     # "attempt" is the former name of "grading".
-    for name, value in (("request", request_id.get()), ("attempt", grading_id.get()), ("grading", grading_id.get())):
+    for name, value in (
+        ("request", request_id.get()),
+        ("attempt", grading_id.get()),
+        ("grading", grading_id.get()),
+    ):
         if value is not None:
             setattr(record, name, value)
     return True

@@ -15,24 +15,42 @@ LONGEST_ESCAPE = 6  # characters of JSON for one byte, as in \u0001
 class Settings(BaseSettings):
     """All settings of a server and its workers."""
 
-    model_config = SettingsConfigDict(env_prefix="POLHODE_", extra="ignore", env_ignore_empty=True, populate_by_name=True)
+    model_config = SettingsConfigDict(
+        env_prefix="POLHODE_", extra="ignore", env_ignore_empty=True, populate_by_name=True
+    )
 
     data: Path = Field(Path("polhode-data"), description="Folder for the embedded database and its log.")
-    database_url: str | None = Field(None, description="A PostgreSQL to use instead of the embedded one (postgresql://…).")
+    database_url: str | None = Field(
+        None, description="A PostgreSQL to use instead of the embedded one (postgresql://…)."
+    )
     min_isolation: Literal["namespaces", "process"] = Field(
         "process",
         validation_alias=AliasChoices("POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"),
-        description="The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary container.",
+        description=(
+            "The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary"
+            " container."
+        ),
     )
     allow_root_guest: bool = Field(
         False, description="Grade even if a server that runs as root cannot run submissions as another user."
     )
-    workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each has three warm guests (150 MB).")
-    drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
-    submission_kib: int = Field(
-        256, ge=1, le=32768, description="Largest source of a submission in KiB, of a notebook without its outputs."
+    workers: int = Field(
+        os.cpu_count() or 1,
+        ge=0,
+        description="Number of worker processes; each has three warm guests (150 MB).",
     )
-    upload_mib: int = Field(20, ge=1, le=200, description="Largest upload of a submission in MiB, of a notebook with its outputs.")
+    drain: float = Field(
+        3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again."
+    )
+    submission_kib: int = Field(
+        256,
+        ge=1,
+        le=32768,
+        description="Largest source of a submission in KiB, of a notebook without its outputs.",
+    )
+    upload_mib: int = Field(
+        20, ge=1, le=200, description="Largest upload of a submission in MiB, of a notebook with its outputs."
+    )
     grading_cpu: float = Field(
         60.0,
         gt=0,
@@ -40,19 +58,32 @@ class Settings(BaseSettings):
         description="Seconds of CPU time a grading may use in the sandbox; an assignment may declare more.",
     )
     grading_wall: float = Field(
-        120.0, gt=0, le=7200, description="Seconds that a grading may take in the sandbox. What has not run by then has timed out."
+        120.0,
+        gt=0,
+        le=7200,
+        description="Seconds that a grading may take in the sandbox. What has not run by then has timed out.",
     )
     lease: float = Field(
-        LEASE_S, ge=0.4, le=60.0, description="Seconds without a heartbeat after which a run is lost; workers send four per lease."
+        LEASE_S,
+        ge=0.4,
+        le=60.0,
+        description="Seconds without a heartbeat after which a run is lost; workers send four per lease.",
     )
     database_wait: float = Field(
-        DATABASE_WAIT_S, gt=0, le=60.0, description="Seconds a request or a worker waits for a connection to the database."
+        DATABASE_WAIT_S,
+        gt=0,
+        le=60.0,
+        description="Seconds a request or a worker waits for a connection to the database.",
     )
-    postgres: Path | None = Field(None, description="Folder of PostgreSQL's programs, instead of the wheel's or the system's.")
+    postgres: Path | None = Field(
+        None, description="Folder of PostgreSQL's programs, instead of the wheel's or the system's."
+    )
     identity: Literal["local", "token"] = Field(
         "local", description="local: one local student without login; token: people log in."
     )
-    person_header: str | None = Field(None, description="Header in which a reverse proxy passes the name of the user.")
+    person_header: str | None = Field(
+        None, description="Header in which a reverse proxy passes the name of the user."
+    )
     token_days: float = Field(200.0, gt=0, description="Days for which a token from ecp.login() is valid.")
     hub_api_url: str | None = Field(
         None,
@@ -60,14 +91,22 @@ class Settings(BaseSettings):
         description="The API of a JupyterHub whose users' tokens are accepted.",
     )
     hub_service: str = Field("polhode", description="Name of this server among the services of that hub.")
-    origins: str = Field("", description="Web origins whose pages may call the server, comma-separated (CORS).")
+    origins: str = Field(
+        "", description="Web origins whose pages may call the server, comma-separated (CORS)."
+    )
     public_url: str | None = Field(None, description="The address that students use, if a proxy changes it.")
-    oidc_issuer: str | None = Field(None, description="The OpenID provider whose users may sign in (https://…).")
+    oidc_issuer: str | None = Field(
+        None, description="The OpenID provider whose users may sign in (https://…)."
+    )
     oidc_client_id: str | None = Field(None, description="Client id of this server at the provider.")
-    oidc_client_secret: SecretStr | None = Field(None, description="Client secret at the provider; empty for a public client.")
+    oidc_client_secret: SecretStr | None = Field(
+        None, description="Client secret at the provider; empty for a public client."
+    )
     oidc_claim: str = Field("preferred_username", description="The claim that holds the person's name.")
     oidc_name: str = Field("your institution", description="The provider's name on the sign-in button.")
-    log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Lowest level that is logged.")
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        "warning", description="Lowest level that is logged."
+    )
 
     @field_validator("min_isolation", mode="before")
     @classmethod
@@ -96,7 +135,8 @@ class Settings(BaseSettings):
     def _upload_holds_a_submission(self) -> "Settings":
         if 1024 * self.upload_mib < LONGEST_ESCAPE * self.submission_kib:
             raise ValueError(
-                f"POLHODE_UPLOAD_MIB must hold at least {LONGEST_ESCAPE} times POLHODE_SUBMISSION_KIB, its longest form in JSON"
+                f"POLHODE_UPLOAD_MIB must hold at least {LONGEST_ESCAPE} times POLHODE_SUBMISSION_KIB, its"
+                " longest form in JSON"
             )
         return self
 
@@ -105,8 +145,12 @@ class Settings(BaseSettings):
     def _issuer(cls, issuer: str | None) -> str | None:
         url = urlsplit(issuer or "")
         loopback = url.hostname in ("localhost", "127.0.0.1", "::1")
-        if issuer is not None and not (url.netloc and (url.scheme == "https" or (url.scheme == "http" and loopback))):
-            raise ValueError("the issuer must be an address https://…; http:// is allowed only on this machine")
+        if issuer is not None and not (
+            url.netloc and (url.scheme == "https" or (url.scheme == "http" and loopback))
+        ):
+            raise ValueError(
+                "the issuer must be an address https://…; http:// is allowed only on this machine"
+            )
         return issuer
 
     @model_validator(mode="after")
@@ -126,10 +170,18 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address the server listens on.")
     port: int = Field(8000, ge=0, le=65535, description="Port the server listens on.")
-    connections: int = Field(4000, ge=8, description="Connections to the server at the same time; half of them from one address.")
-    header_timeout: float = Field(10.0, gt=0, description="Seconds in which the header of a request must arrive.")
+    connections: int = Field(
+        4000, ge=8, description="Connections to the server at the same time; half of them from one address."
+    )
+    header_timeout: float = Field(
+        10.0, gt=0, description="Seconds in which the header of a request must arrive."
+    )
     body_timeout: float = Field(
-        20.0, gt=0, description="Seconds in which the body of a request must arrive, plus one second for each 10 000 bytes."
+        20.0,
+        gt=0,
+        description=(
+            "Seconds in which the body of a request must arrive, plus one second for each 10 000 bytes."
+        ),
     )
     open_submissions: int = Field(
         20, ge=1, description="Submissions of one student that may wait for their reports at the same time."

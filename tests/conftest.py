@@ -23,7 +23,8 @@ from tests.support.database import connections_left, new_database, sql
 from tests.support.hub import Hub
 from tests.support.server import Server
 
-# Files that take longest begin first, so that the short ones fill what is left where several processes share the files.
+# Files that take longest begin first, so that the short ones fill what is left where several processes share
+# the files.
 LONGEST = (
     "test_attacks",
     "test_samples",
@@ -47,15 +48,20 @@ LONGEST = (
 # Files that one process runs: numba compiles for it only once, one real server is started.
 TOGETHER = {
     "physics": r"^tests/reference/",
-    "real server": r"/(api/test_submissions|api/test_parse_submission|cli/test_serve|test_notebooks|test_demo)\.py$",
+    "real server": (
+        r"/(api/test_submissions|api/test_parse_submission|cli/test_serve|test_notebooks|test_demo)\.py$"
+    ),
 }
 
-# jsonschema's optional check of IRIs compiles a grammar for three seconds in each process that imports nbformat.
+# jsonschema's optional check of IRIs compiles a grammar for three seconds in each process that imports
+# nbformat.
 sys.modules["rfc3987_syntax"] = None
 
 # How many examples Hypothesis makes: some in ``make test``, more where the slow tests run too.
 for profile, examples in (("some", 25), ("many", 100)):
-    settings.register_profile(profile, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile(
+        profile, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    )
 
 
 def pytest_configure(config):
@@ -65,7 +71,11 @@ def pytest_configure(config):
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
     rank = {name: k for k, name in enumerate(LONGEST)}
-    items.sort(key=lambda item: rank.get("physics" if "reference" in item.path.parts else item.path.stem, len(LONGEST)))
+    items.sort(
+        key=lambda item: rank.get(
+            "physics" if "reference" in item.path.parts else item.path.stem, len(LONGEST)
+        )
+    )
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -131,27 +141,41 @@ def new_server():
 
 @pytest.fixture(scope="session")
 def left_connections():
-    """By the address of each running test database: the process ids of the connections that tests left open there."""
+    """By the address of each running test database: the process ids of the connections that tests left open
+    there.
+    """
     return {}
 
 
 @pytest.fixture(scope="module", autouse=True)
 def no_connection_stays(left_connections):
-    """Fail at the end of a file whose tests leave connections open: its database allows only so many to the whole run."""
+    """Fail at the end of a file whose tests leave connections open: its database allows only so many to the
+    whole run.
+    """
     yield
     for address, reported in left_connections.items():
         left = connections_left(address, reported)
         reported.update(left)
-        assert not left, f"connections that a fixture or a test of this file must close: {', '.join(left.values())}"
+        assert not left, (
+            f"connections that a fixture or a test of this file must close: {', '.join(left.values())}"
+        )
 
 
 @pytest.fixture(scope="session")
 def postgres(tmp_path_factory, left_connections):
-    """A running embedded PostgreSQL with the tables of this version in a template, up for longer than a lease lasts."""
+    """A running embedded PostgreSQL with the tables of this version in a template, up for longer than a lease
+    lasts.
+    """
     running = EmbeddedPostgres(tmp_path_factory.mktemp("postgres") / "data")
     running.start()
-    up_for_a_lease = time.monotonic() + LEASE_S + 0.1  # before, nothing is lost: a lease begins anew with the database
-    for setting in ("fsync", "full_page_writes", "synchronous_commit"):  # what is lost with the machine is lost with the test
+    up_for_a_lease = (
+        time.monotonic() + LEASE_S + 0.1
+    )  # before, nothing is lost: a lease begins anew with the database
+    for setting in (
+        "fsync",
+        "full_page_writes",
+        "synchronous_commit",
+    ):  # what is lost with the machine is lost with the test
         sql(running.url, f"ALTER SYSTEM SET {setting} = off")
     sql(running.url, "SELECT pg_reload_conf()")
     migrate(running.url)
@@ -182,13 +206,16 @@ def empty_url(postgres):
 
 @pytest.fixture(scope="session")
 def real_server(tmp_path_factory):
-    """``polhode serve`` as its own process with workers and an embedded database; everybody is one local student."""
+    """``polhode serve`` as its own process with workers and an embedded database; everybody is one local
+    student.
+    """
     data = tmp_path_factory.mktemp("data") / "polhode"
     started = Server(data, POLHODE_LOG_LEVEL="debug", POLHODE_WORKERS="1")
     try:
         yield started.wait_ready()
     finally:
-        started.stop()  # before its folder goes: with the number of its database in there it could not end that
+        # before its folder goes: with the number of its database in there it could not end that
+        started.stop()
     shutil.rmtree(data, ignore_errors=True)
 
 

@@ -1,10 +1,12 @@
-"""Measure how strong the tests are: break the product on purpose, one line at a time, and see which test fails.
+"""Measure how strong the tests are: break the product on purpose, one line at a time, and see which test
+fails.
 
-Run ``python -m tests.sabotage [NAME…] [--jobs N] [--list]``, or ``make sabotage``. Each job works on its own copy of the files that
-git tracks or would track. A breakage is caught if pytest exits with 1 when it runs the tests that the breakage names: functions,
-which may be slow, or the fast tests of whole files. If these tests pass, the whole selection of ``make test`` runs in the copy, and
-the breakage counts as caught by other tests or not at all. Exit codes: 0 if the named tests caught every breakage, 1 if not, 2 if
-the list is wrong or its tests fail without a breakage.
+Run ``python -m tests.sabotage [NAME…] [--jobs N] [--list]``, or ``make sabotage``. Each job works on its own
+copy of the files that git tracks or would track. A breakage is caught if pytest exits with 1 when it runs the
+tests that the breakage names: functions, which may be slow, or the fast tests of whole files. If these tests
+pass, the whole selection of ``make test`` runs in the copy, and the breakage counts as caught by other tests
+or not at all. Exit codes: 0 if the named tests caught every breakage, 1 if not, 2 if the list is wrong or its
+tests fail without a breakage.
 """
 
 import argparse
@@ -28,7 +30,8 @@ from tests.support.breakages import BREAKAGES, Breakage
 ROOT = Path(__file__).parents[1]
 SELECTION = "not slow and not exhaustive"
 PYTEST = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider"]  # pyproject.toml has -q already
-LIST_TEST = "tests/project/test_sabotage.py"  # every breakage makes it fail: the text to replace is not there any more
+# every breakage makes it fail: the text to replace is not there any more
+LIST_TEST = "tests/project/test_sabotage.py"
 SHARED = ("--numprocesses", "2", "--dist", "loadfile", "--no-loadscope-reorder")  # as make test does
 IMPORTED = ("service", "exercises", "reference", "ecp", "tests.support.breakages")
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -63,7 +66,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Result:
-    """What became of a breakage: ``how`` is one of the constants above, ``by`` the failed tests or a sentence."""
+    """What became of a breakage: ``how`` is one of the constants above, ``by`` the failed tests or a
+    sentence.
+    """
 
     breakage: Breakage
     how: str
@@ -84,7 +89,9 @@ class Copy:
         return self.folder / "tree"
 
     def make(self) -> None:
-        """Copy every file that git tracks or would track, and commit them in the copy, which some tests clone."""
+        """Copy every file that git tracks or would track, and commit them in the copy, which some tests
+        clone.
+        """
         listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
         names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
         for name in filter(None, names.split("\0")):
@@ -96,12 +103,20 @@ class Copy:
             subprocess.run(["git", *command], cwd=self.tree, check=True)
 
     def check_imports(self) -> None:
-        """Raise AssertionError unless Python imports the copy's packages, and not those of an editable installation."""
-        told = "import importlib, sys\nfor name in sys.argv[1:]: print(importlib.import_module(name).__file__)"
+        """Raise AssertionError unless Python imports the copy's packages, and not those of an editable
+        installation.
+        """
+        told = (
+            "import importlib, sys\nfor name in sys.argv[1:]: print(importlib.import_module(name).__file__)"
+        )
         command = [sys.executable, "-c", told, *IMPORTED]
-        found = subprocess.run(command, cwd=self.tree, env=self._environment(), capture_output=True, text=True, check=True).stdout
+        found = subprocess.run(
+            command, cwd=self.tree, env=self._environment(), capture_output=True, text=True, check=True
+        ).stdout
         for line in found.splitlines():
-            assert Path(line).is_relative_to(self.tree), f"{line} is imported instead of the copy in {self.tree}"
+            assert Path(line).is_relative_to(self.tree), (
+                f"{line} is imported instead of the copy in {self.tree}"
+            )
 
     @contextlib.contextmanager
     def broken(self, breakage: Breakage) -> Iterator[None]:
@@ -113,14 +128,21 @@ class Copy:
             yield
         finally:
             file.write_text(text, encoding="utf-8")
-            os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns))  # else the broken bytecode could be taken for the file's
+            os.utime(
+                file, ns=(stat.st_atime_ns, stat.st_mtime_ns)
+            )  # else the broken bytecode could be taken for the file's
 
     def pytest(self, *arguments: str, limit_s: float = LIMIT_S) -> Run:
         """Run pytest in the copy; Stopped if the whole run is interrupted meanwhile."""
         command = [*PYTEST, f"--basetemp={self.folder / 'pytest'}", *arguments]
         with (self.folder / "output").open("w+", encoding="utf-8", errors="replace") as output:
             process = subprocess.Popen(
-                command, cwd=self.tree, env=self._environment(), stdout=output, stderr=output, start_new_session=True
+                command,
+                cwd=self.tree,
+                env=self._environment(),
+                stdout=output,
+                stderr=output,
+                start_new_session=True,
             )
             until = time.monotonic() + limit_s
             try:
@@ -136,13 +158,19 @@ class Copy:
             return Run(process.returncode if ended else None, output.read())
 
     def _environment(self) -> dict[str, str]:
-        own = {"PYTHONPATH": f"{self.tree}:{self.tree / 'exercises/kit'}", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        own = {
+            "PYTHONPATH": f"{self.tree}:{self.tree / 'exercises/kit'}",
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+        }
         kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
         return kept | own | {"COLUMNS": "1000"}  # names of tests are not cut
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:
-    """Interrupt pytest, so that it stops the servers and databases of its fixtures; kill it if it does not end."""
+    """Interrupt pytest, so that it stops the servers and databases of its fixtures; kill it if it does not
+    end.
+    """
     for how, patience_s in ((signal.SIGINT, 30.0), (signal.SIGKILL, None)):
         os.killpg(process.pid, how)
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -151,7 +179,9 @@ def _end(process: "subprocess.Popen[bytes]") -> None:
 
 
 def errors(breakages: Iterable[Breakage]) -> list[str]:
-    """What is wrong with the list: files, texts and tests that are not there, names and texts that are there twice."""
+    """What is wrong with the list: files, texts and tests that are not there, names and texts that are there
+    twice.
+    """
     found, names = [], set()
     for one in breakages:
         if one.name in names:
@@ -184,15 +214,25 @@ def untouched(copy: Copy, tests: Sequence[str]) -> list[str]:
 
 def _untouched(copy: Copy, tests: Sequence[str]) -> list[str]:
     collected = copy.pytest("--collect-only", "-m", selection(tests), *tests)
-    unselected = [test for test in tests if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)]
+    unselected = [
+        test
+        for test in tests
+        if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)
+    ]
     if collected.code != 0 or unselected:
         return [f"pytest does not select {test}" for test in unselected] or [collected.output]
     run = copy.pytest(*SHARED, "-m", selection(tests), *tests, limit_s=WHOLE_LIMIT_S)
-    return [] if run.code == 0 else [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
+    return (
+        []
+        if run.code == 0
+        else [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
+    )
 
 
 def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:
-    """Make the breakage in the copy, run its tests, and where these pass and ``others`` are wanted all of them."""
+    """Make the breakage in the copy, run its tests, and where these pass and ``others`` are wanted all of
+    them.
+    """
     began = time.monotonic()
 
     def result(how: str, by: str) -> Result:
@@ -211,11 +251,17 @@ def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:
         run = copy.pytest(*SHARED, "-m", SELECTION, f"--ignore={LIST_TEST}", limit_s=WHOLE_LIMIT_S)
         if run.code == 1:
             return result(ELSEWHERE, ", ".join(run.failed[:3]))
-        return result(MISSED, "") if run.code == 0 else result(ERROR, f"pytest over everything exited with {run.code}")
+        return (
+            result(MISSED, "")
+            if run.code == 0
+            else result(ERROR, f"pytest over everything exited with {run.code}")
+        )
 
 
 def sabotage(breakages: Sequence[Breakage], jobs: int, *, others: bool = True) -> list[Result] | None:
-    """Try every breakage and return the results in their order; None where the tests fail without a breakage."""
+    """Try every breakage and return the results in their order;
+    None where the tests fail without a breakage.
+    """
     stop, waiting, found = threading.Event(), queue.Queue[Breakage](), dict[str, Result]()
     failures: list[BaseException] = []
     for one in breakages:
@@ -265,11 +311,16 @@ def table(results: Sequence[Result]) -> str:
     rows = [("breakage", "file", "result", "seconds", "by")]
     rows += [(r.breakage.name, r.breakage.file, r.how, f"{r.seconds:.0f}", r.by) for r in results]
     widths = [max(len(row[k]) for row in rows) for k in range(4)]
-    return "\n".join("  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]]) for row in rows)
+    return "\n".join(
+        "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]])
+        for row in rows
+    )
 
 
 def _interrupt(signum: int, frame: object) -> None:
-    """Raise KeyboardInterrupt once; what follows removes the copies, and a second signal must not stop that."""
+    """Raise KeyboardInterrupt once; what follows removes the copies,
+    and a second signal must not stop that.
+    """
     for how in SIGNALS:
         signal.signal(how, signal.SIG_IGN)
     raise KeyboardInterrupt
@@ -278,12 +329,23 @@ def _interrupt(signum: int, frame: object) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Try the breakages of these names, by default all of them."""
     parser = argparse.ArgumentParser(prog="python -m tests.sabotage", description=__doc__.partition("\n")[0])
-    parser.add_argument("names", nargs="*", metavar="NAME", help="try the breakages whose name or file contains NAME; default: all")
+    parser.add_argument(
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help="try the breakages whose name or file contains NAME; default: all",
+    )
     parser.add_argument("--jobs", type=int, default=2, help="how many copies to work on at the same time (2)")
-    parser.add_argument("--named-only", action="store_true", help="do not run the other tests where those named pass")
+    parser.add_argument(
+        "--named-only", action="store_true", help="do not run the other tests where those named pass"
+    )
     parser.add_argument("--list", action="store_true", help="print the names and files, and try nothing")
     given = parser.parse_args(arguments)
-    chosen = [one for one in BREAKAGES if not given.names or any(name in f"{one.name} {one.file}" for name in given.names)]
+    chosen = [
+        one
+        for one in BREAKAGES
+        if not given.names or any(name in f"{one.name} {one.file}" for name in given.names)
+    ]
     if wrong := errors(BREAKAGES) or ([] if chosen else ["no breakage of that name"]):
         print("\n".join(wrong), file=sys.stderr)
         return 2
@@ -300,7 +362,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if results is None:
         return 2
     caught = sum(result.how == CAUGHT for result in results)
-    print(f"\n{table(results)}\n\n{caught} of {len(results)} breakages were caught by the tests named for them")
+    print(
+        f"\n{table(results)}\n\n{caught} of {len(results)} breakages were caught by the tests named for them"
+    )
     return 0 if caught == len(results) else 1
 
 

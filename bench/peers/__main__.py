@@ -41,7 +41,11 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="measure one round")
     parser.add_argument("--rounds", type=int, default=3, help="rounds of measurements (default 3)")
     parser.add_argument(
-        "--cache", type=Path, default=ROOT / ".bench", metavar="DIR", help="folder for the environments (default .bench)"
+        "--cache",
+        type=Path,
+        default=ROOT / ".bench",
+        metavar="DIR",
+        help="folder for the environments (default .bench)",
     )
     arguments = parser.parse_args()
     cache = arguments.cache.resolve()
@@ -53,7 +57,10 @@ def main() -> int:
     given = verdicts(tools, sent)
     print(f"\n{table.verdicts(list(SAMPLES), given)}\n", flush=True)
     if wrong := [t.name for t in tools if not sound(given[t.name]) and (t is own or answers(given[t.name]))]:
-        print(f"broken: {', '.join(wrong)} does not distinguish a correct submission from a sign error", file=sys.stderr)
+        print(
+            f"broken: {', '.join(wrong)} does not distinguish a correct submission from a sign error",
+            file=sys.stderr,
+        )
         return 2
     with server(workers=os.cpu_count() or 1) as (url, _, process):
         warm = Warm(url, process.pid, sent["right"])
@@ -69,9 +76,13 @@ def main() -> int:
 def about() -> str:
     """Return the machine and the versions of the compared tools."""
     models = [
-        line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")
+        line.split(":")[1].strip()
+        for line in Path("/proc/cpuinfo").read_text().splitlines()
+        if line.startswith("model name")
     ]
-    machine = f"{(models or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    machine = (
+        f"{(models or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    )
     pinned = {name: version for kind in PEERS for name, version in versions(kind.package).items()}
     compared = ", ".join(f"{name} {pinned[name]}" for name in COMPARED)
     return f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC, {machine}, load {os.getloadavg()[0]:.1f}\n{compared}"
@@ -81,7 +92,9 @@ def _polhode(cache: Path) -> Peer:
     kept = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     return Polhode(
         Workspace(
-            Path(sys.executable), _empty(cache / "work/polhode"), kept | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+            Path(sys.executable),
+            _empty(cache / "work/polhode"),
+            kept | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
         )
     )
 

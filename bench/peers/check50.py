@@ -1,4 +1,6 @@
-"""check50: checks import the student's module, each in a process of check50's pool; one command per submission."""
+"""check50: checks import the student's module, each in a process of check50's pool; one command per
+submission.
+"""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -8,7 +10,8 @@ from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
 from bench.peers.peer import Command, Marks, Peer, reading
 from bench.peers.submissions import Submission, write
 
-# One check for both lines: two checks would each import the submission and integrate, which takes a third longer.
+# One check for both lines: two checks would each import the submission and integrate, which takes a third
+# longer.
 CHECKS = f'''{COMMON}
 import check50
 import check50.py
@@ -44,7 +47,9 @@ class Check50(Peer):
     def one(self, name: str) -> Command:
         """Return ``check50 --dev``, run in the submission's folder."""
         output = ["-o", "json", "--output-file", "../" + name + ".json"]
-        return Command([self.workspace.tool("check50"), "--dev", *output, "../checks"], self.workspace.folder / name)
+        return Command(
+            [self.workspace.tool("check50"), "--dev", *output, "../checks"], self.workspace.folder / name
+        )
 
     def marks(self, name: str) -> Marks:
         """Return the checks passed."""

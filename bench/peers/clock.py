@@ -42,7 +42,9 @@ class Row:
     @property
     def median(self) -> Timing:
         """Return the medians of wall and CPU time, each on its own."""
-        return Timing(statistics.median(t.wall for t in self.taken), statistics.median(t.cpu for t in self.taken))
+        return Timing(
+            statistics.median(t.wall for t in self.taken), statistics.median(t.cpu for t in self.taken)
+        )
 
     @property
     def each(self) -> float:
@@ -51,7 +53,9 @@ class Row:
 
 
 def clock(commands: Iterable[Command], workspace: Workspace, *, codes: Sequence[int] = (0,)) -> Timing:
-    """Run the commands in turn and return the time. Raises CommandFailed for an exit code not in ``codes``."""
+    """Run the commands in turn and return the time. Raises CommandFailed for an exit code not in
+    ``codes``.
+    """
     began = time.perf_counter()
     cpu = sum(_run(command, workspace, codes) for command in commands)
     return Timing(time.perf_counter() - began, cpu)
@@ -64,30 +68,42 @@ def spent(pid: int) -> float:
         folder = Path(f"/proc/{todo.pop()}")
         with contextlib.suppress(OSError):  # the process has ended
             ticks += sum(map(int, (folder / "stat").read_text().rsplit(")", 1)[1].split()[11:15]))
-            todo += [int(child) for file in folder.glob("task/*/children") for child in file.read_text().split()]
+            todo += [
+                int(child) for file in folder.glob("task/*/children") for child in file.read_text().split()
+            ]
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def _run(command: Command, workspace: Workspace, codes: Sequence[int]) -> float:
     """Return the CPU seconds that the kernel reports at the end, or those last seen if that is more.
 
-    The kernel does not report processes killed together with their process namespace, such as polhode's guests.
+    The kernel does not report processes killed together with their process namespace, such as polhode's
+    guests.
     """
     log, before = workspace.folder / "log", resource.getrusage(resource.RUSAGE_CHILDREN)
     with log.open("w") as printed, (command.out or log).open("w") as out:
         words, where = list(map(str, command.words)), {"cwd": command.folder, "env": workspace.environment}
         process = subprocess.Popen(
-            words, **where, stdin=subprocess.DEVNULL, stdout=out if command.out else printed, stderr=printed, start_new_session=True
+            words,
+            **where,
+            stdin=subprocess.DEVNULL,
+            stdout=out if command.out else printed,
+            stderr=printed,
+            start_new_session=True,
         )
     seen = _watch(process)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if codes and process.returncode not in codes:
-        raise CommandFailed(f"ended with {process.returncode}: {' '.join(log.read_text(errors='replace').splitlines()[-3:])}")
+        raise CommandFailed(
+            f"ended with {process.returncode}: {' '.join(log.read_text(errors='replace').splitlines()[-3:])}"
+        )
     return max(seen, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
 def _watch(process: "subprocess.Popen[bytes]") -> float:
-    """Wait for the process and return the most CPU seconds seen. Kill it after LIMIT_S, or on an interrupt."""
+    """Wait for the process and return the most CPU seconds seen. Kill it after LIMIT_S,
+    or on an interrupt.
+    """
     handle, most, until = os.pidfd_open(process.pid), 0.0, time.monotonic() + LIMIT_S
     try:
         while not select.select([handle], [], [], LOOK_S)[0]:

@@ -20,7 +20,9 @@ def requirements(package: str) -> Path:
 
 
 def python_for(package: str, cache: Path) -> Path:
-    """Return the interpreter of the peer's environment, which is recreated if its requirements changed. Raises NotInstalled."""
+    """Return the interpreter of the peer's environment, which is recreated if its requirements changed.
+    Raises NotInstalled.
+    """
     folder, wanted = cache / package, requirements(package).read_text() + sys.version
     stamp, python = folder / "installed", folder / "bin/python"
     if not (stamp.exists() and stamp.read_text() == wanted):
@@ -40,7 +42,9 @@ def versions(package: str) -> dict[str, str]:
 def _call(words: list[str | Path], python: Path) -> None:
     environment = clean_environment(Path.home(), python.parent)
     try:
-        ended = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=INSTALL_S, check=False)
+        ended = subprocess.run(
+            words, env=environment, capture_output=True, text=True, timeout=INSTALL_S, check=False
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NotInstalled(str(error)) from error
     if ended.returncode:

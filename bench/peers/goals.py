@@ -11,7 +11,9 @@ ONE, LEAN = "one", "one without matplotlib"
 
 @dataclass(frozen=True)
 class Goal:
-    """The goal that the time of ``ours`` is at most ``share`` of that of ``theirs``, per submission. The CPU ratio is shown too."""
+    """The goal that the time of ``ours`` is at most ``share`` of that of ``theirs``, per submission. The CPU
+    ratio is shown too.
+    """
 
     claim: str
     share: float
@@ -19,19 +21,27 @@ class Goal:
     theirs: Row | None
 
     def __str__(self) -> str:
-        claim = f"{self.claim}: at most {_share(self.share)} of {self.theirs.name if self.theirs else 'a tool that is absent'}"
+        claim = (
+            f"{self.claim}: at most {_share(self.share)} of"
+            f" {self.theirs.name if self.theirs else 'a tool that is absent'}"
+        )
         if self.ours is None or self.theirs is None:
             return f"not measured  {claim}"
         wall = self.ours.each / self.theirs.each
         cpu = (self.ours.median.cpu / self.ours.count) / (self.theirs.median.cpu / self.theirs.count)
-        return f"{'met    ' if wall <= self.share else 'not met'}  {claim}: {_share(wall)} (CPU {_share(cpu)})"
+        return (
+            f"{'met    ' if wall <= self.share else 'not met'}  {claim}: {_share(wall)} (CPU {_share(cpu)})"
+        )
 
 
 def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int) -> list[Goal]:
-    """Return the goals: one submission over HTTP ``against`` peers, each with its share; then against the fastest peer one
-    submission and a ``batch``, over HTTP and by the command with its start.
+    """Return the goals: one submission over HTTP ``against`` peers, each with its share; then against the
+    fastest peer one submission and a ``batch``, over HTTP and by the command with its start.
     """
-    one, peers = {row.name: row for row in rows if row.what == ONE}, [row for row in rows if not row.name.startswith("polhode")]
+    one, peers = (
+        {row.name: row for row in rows if row.what == ONE},
+        [row for row in rows if not row.name.startswith("polhode")],
+    )
 
     def best(fits: Callable[[Row], bool]) -> Row | None:
         return min(filter(fits, peers), key=lambda row: row.each, default=None)

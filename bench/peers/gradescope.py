@@ -1,4 +1,6 @@
-"""gradescope-utils: unittest in the submission's process, by the script that a Gradescope autograder runs for each student."""
+"""gradescope-utils: unittest in the submission's process, by the script that a Gradescope autograder runs for
+each student.
+"""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -56,8 +58,12 @@ class Gradescope(Peer):
         return []
 
     def one(self, name: str) -> Command:
-        """Return one Python process per submission, as in Gradescope's containers, without the container's start."""
-        return Command([self.workspace.python, "run_tests.py", name, f"{name}/results.json"], self.workspace.folder)
+        """Return one Python process per submission, as in Gradescope's containers, without the container's
+        start.
+        """
+        return Command(
+            [self.workspace.python, "run_tests.py", name, f"{name}/results.json"], self.workspace.folder
+        )
 
     def marks(self, name: str) -> Marks:
         """Return the points."""

@@ -10,7 +10,9 @@ Given = Mapping[str, Marks | str]
 
 
 def verdicts(tools: Sequence[Peer], sent: Mapping[str, Submission]) -> dict[str, Given]:
-    """Return marks or "no answer" by tool and kind of submission, and print errors. This also warms the disk cache."""
+    """Return marks or "no answer" by tool and kind of submission, and print errors. This also warms the disk
+    cache.
+    """
     given: dict[str, Given] = {}
     for tool in tools:
         try:

@@ -1,4 +1,6 @@
-"""Otter-Grader: ``otter run`` executes the notebook in a kernel on this machine (only ``otter grade`` uses containers)."""
+"""Otter-Grader: ``otter run`` executes the notebook in a kernel on this machine (only ``otter grade`` uses
+containers).
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -58,13 +60,26 @@ class Otter(Peer):
 
     def one(self, name: str) -> Command:
         """Return the documented command."""
-        words = [self.workspace.tool("otter"), "run", "-a", "autograder.zip", "-o", name, "--no-logo", f"{name}.ipynb"]
+        words = [
+            self.workspace.tool("otter"),
+            "run",
+            "-a",
+            "autograder.zip",
+            "-o",
+            name,
+            "--no-logo",
+            f"{name}.ipynb",
+        ]
         return Command(words, self.workspace.folder)
 
     def many(self, names: Sequence[str]) -> Sequence[Command]:
-        """Return a script that starts Otter once and calls its Python API; each notebook still has its own kernel."""
+        """Return a script that starts Otter once and calls its Python API; each notebook still has its own
+        kernel.
+        """
         return [Command([self.workspace.python, "loop.py", *names], self.workspace.folder)]
 
     def marks(self, name: str) -> Marks:
-        """Return the points. Otter writes Gradescope's format, with one entry for all public tests that has no points."""
+        """Return the points. Otter writes Gradescope's format, with one entry for all public tests that has
+        no points.
+        """
         return read(self.workspace.folder / name / "results.json")

@@ -66,8 +66,8 @@ class Workspace:
 class Peer(ABC):
     """A tool to compare with.
 
-    ``name`` is its name in the tables, ``package`` selects its requirements file, ``batch`` says how it grades
-    several submissions.
+    ``name`` is its name in the tables, ``package`` selects its requirements file, ``batch`` says how it
+    grades several submissions.
     """
 
     name: str
@@ -86,7 +86,9 @@ class Peer(ABC):
         """Return the command that grades one submission as a course would."""
 
     def many(self, names: Sequence[str]) -> Sequence[Command]:
-        """Return the fastest commands that the tool offers for several submissions; by default one after the other."""
+        """Return the fastest commands that the tool offers for several submissions; by default one after the
+        other.
+        """
         return [self.one(name) for name in names]
 
     def export(self) -> Sequence[Command]:
@@ -99,8 +101,17 @@ class Peer(ABC):
 
 
 def clean_environment(home: Path, tools: Path) -> dict[str, str]:
-    """Return the environment variables for a peer: with ``tools`` first on the PATH and without variables that
-    affect Python, Jupyter, Matplotlib or polhode.
+    """Return the environment variables for a peer: with ``tools`` first on the PATH and without variables
+    that affect Python, Jupyter, Matplotlib or polhode.
     """
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "POLHODE_", "JUPYTER", "MPL", "VIRTUAL_ENV"))}
-    return kept | {"HOME": str(home), "PATH": f"{tools}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    kept = {
+        k: v
+        for k, v in os.environ.items()
+        if not k.startswith(("PYTHON", "POLHODE_", "JUPYTER", "MPL", "VIRTUAL_ENV"))
+    }
+    return kept | {
+        "HOME": str(home),
+        "PATH": f"{tools}:{os.environ['PATH']}",
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+    }

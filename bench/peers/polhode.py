@@ -29,10 +29,21 @@ class Polhode(Peer):
 
     def marks(self, name: str) -> Marks:
         """Return the number of ✓ and of all checks of the exercise."""
-        return read(self.workspace.folder / ("batch.json" if name.startswith("copy") else f"{name}.json"), name)
+        return read(
+            self.workspace.folder / ("batch.json" if name.startswith("copy") else f"{name}.json"), name
+        )
 
     def _grade(self, names: Sequence[str], out: str) -> Command:
-        words = [self.workspace.python, "-m", "service.cli", "grade", "--exercise", "2", "--json", *(f"{n}.py" for n in names)]
+        words = [
+            self.workspace.python,
+            "-m",
+            "service.cli",
+            "grade",
+            "--exercise",
+            "2",
+            "--json",
+            *(f"{n}.py" for n in names),
+        ]
         return Command(words, self.workspace.folder, self.workspace.folder / out)
 
 

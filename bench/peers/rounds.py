@@ -24,14 +24,19 @@ class Case:
 
 
 def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Case]:
-    """Return the cases: for the server one submission and a batch; for each tool one, a batch, and one without matplotlib."""
+    """Return the cases: for the server one submission and a batch; for each tool one, a batch, and one
+    without matplotlib.
+    """
     found = [Case(SERVER, ONE, 1, lambda: warm.grade(posts))]
     found.append(Case(SERVER, f"{batch}: sent at once", batch, lambda: warm.grade_together(batch)))
     for tool in tools:
         found += [
             Case(tool.name, ONE, 1, lambda tool=tool: graded(tool, [tool.one("right")], ["right"])),
             Case(
-                tool.name, f"{batch}: {tool.batch}", batch, lambda tool=tool: graded(tool, tool.many(copies(batch)), copies(batch))
+                tool.name,
+                f"{batch}: {tool.batch}",
+                batch,
+                lambda tool=tool: graded(tool, tool.many(copies(batch)), copies(batch)),
             ),
             Case(tool.name, LEAN, 1, lambda tool=tool: graded(tool, [tool.one("lean")], ["lean"])),
         ]
@@ -39,7 +44,9 @@ def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Cas
 
 
 def graded(tool: Peer, commands: Sequence[Command], names: Sequence[str]) -> list[Timing]:
-    """Return the time of the commands. Raises NoMarks if the tool did not accept these submissions, which are correct."""
+    """Return the time of the commands. Raises NoMarks if the tool did not accept these submissions, which are
+    correct.
+    """
     took = clock(commands, tool.workspace)
     clock(tool.export(), tool.workspace)
     if refused := [name for name in names if not tool.marks(name).full]:

@@ -1,4 +1,6 @@
-"""The graded submissions: the notebook's Setup cell and an ``euler_eqs`` of the samples, as a script and as a notebook."""
+"""The graded submissions: the notebook's Setup cell and an ``euler_eqs`` of the samples, as a script and as a
+notebook.
+"""
 
 import ast
 import json
@@ -44,8 +46,8 @@ class Submission:
 
 
 def submissions(batch: int) -> dict[str, Submission]:
-    """Return the submissions by name: one of each kind, a correct one without matplotlib, and ``batch`` copies of
-    the correct one.
+    """Return the submissions by name: one of each kind, a correct one without matplotlib, and ``batch``
+    copies of the correct one.
     """
     answers = {kind: (FOLDER / "samples" / file).read_text() for kind, file in SAMPLES.items()}
     course, lean = (imports + "\n\n" + _setup_functions() for imports in (COURSE, LEAN))
@@ -73,7 +75,14 @@ def notebook(cells: list[dict]) -> str:
 
 def code_cell(id: str, source: str, **metadata: object) -> dict:
     """Return a code cell without output."""
-    return {"cell_type": "code", "id": id, "metadata": metadata, "source": source, "execution_count": None, "outputs": []}
+    return {
+        "cell_type": "code",
+        "id": id,
+        "metadata": metadata,
+        "source": source,
+        "execution_count": None,
+        "outputs": [],
+    }
 
 
 def write(path: Path, text: str) -> None:
@@ -85,6 +94,8 @@ def write(path: Path, text: str) -> None:
 def _setup_functions() -> str:
     """Return T_rot, L_body and integrate_body verbatim from the course's Setup cell."""
     text, names = find("rigid-body").setup, ("T_rot", "L_body", "integrate_body")
-    functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef) and node.name in names]
+    functions = [
+        node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef) and node.name in names
+    ]
     found = [ast.get_source_segment(text, node) for node in functions]
     return "\n\n\n".join(f for f in found if f) + "\n"

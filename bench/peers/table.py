@@ -10,7 +10,9 @@ def table(head: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """Return a Markdown table with aligned columns."""
     lines = [head, *lines]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
-    rendered = ["| " + " | ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) + " |" for line in lines]
+    rendered = [
+        "| " + " | ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) + " |" for line in lines
+    ]
     return "\n".join([rendered[0], "|" + "|".join("-" * (w + 2) for w in widths) + "|", *rendered[1:]])
 
 
@@ -30,7 +32,15 @@ def _time(row: Row) -> list[str]:
     wall, cpu = row.median
     walls = [t.wall for t in row.taken]
     spread = f"{min(walls):.3f} – {max(walls):.3f}"
-    return [row.name, row.what, f"{wall:.3f}", spread, f"{cpu:.3f}", f"{wall / row.count:.3f}", f"{cpu / row.count:.3f}"]
+    return [
+        row.name,
+        row.what,
+        f"{wall:.3f}",
+        spread,
+        f"{cpu:.3f}",
+        f"{wall / row.count:.3f}",
+        f"{cpu / row.count:.3f}",
+    ]
 
 
 def _mark(mark: Marks | str) -> str:

@@ -18,11 +18,13 @@ class Warm:
 
     def __init__(self, url: str, pid: int, submission: Submission) -> None:
         self.pid, self.submission, self._numbers = pid, submission, itertools.count(1)
-        self.client = httpx2.Client(base_url=url, headers=ME | {"Prefer": "wait=60"}, timeout=90, trust_env=False)
+        self.client = httpx2.Client(
+            base_url=url, headers=ME | {"Prefer": "wait=60"}, timeout=90, trust_env=False
+        )
 
     def grade(self, count: int) -> list[Timing]:
-        """Return the time of each new submission from sending the file to receiving its report; the server's CPU
-        time is shared evenly.
+        """Return the time of each new submission from sending the file to receiving its report; the server's
+        CPU time is shared evenly.
 
         Raises NoMarks unless each report is all ✓.
         """

@@ -1,7 +1,9 @@
-"""The heavy symmetric top: equations with and without Euler angles, nutation, precession, sleep, and two free tops.
+"""The heavy symmetric top: equations with and without Euler angles, nutation, precession, sleep, and two free
+tops.
 
-The truths are motions by elliptic functions, which tests/reference compares with 60-digit integrations, vectors in place of
-Euler angles, a root search, and eigenvalues. tests/exercises/test_heavy_top.py compares each with a further source.
+The truths are motions by elliptic functions, which tests/reference compares with 60-digit integrations,
+vectors in place of Euler angles, a root search, and eigenvalues. tests/exercises/test_heavy_top.py compares
+each with a further source.
 """
 
 from typing import TYPE_CHECKING
@@ -21,24 +23,41 @@ if TYPE_CHECKING:  # the solution runs in the sandbox only; importing these take
     from matplotlib.animation import FuncAnimation
 
 notebook = Notebook("The heavy symmetric top", notebook="notebook.ipynb")
-ROUNDING = Tolerance(limit=1e-11, reason="rounding errors are 1e-15 of the largest term; ten thousand times that")
+ROUNDING = Tolerance(
+    limit=1e-11, reason="rounding errors are 1e-15 of the largest term; ten thousand times that"
+)
 MOTION = Tolerance(limit=1e-8, reason="a hundred times the error of the integration")
-WITHIN = Tolerance(atol=1e-7, reason="roots are exact to 1e-13, turning points of a careful integration to 1e-8")
+WITHIN = Tolerance(
+    atol=1e-7, reason="roots are exact to 1e-13, turning points of a careful integration to 1e-8"
+)
 TILT = Tolerance(atol=1e-6, reason="a thousand times the error of the integration")
 CALLS = Tolerance(rtol=0.4, reason="output at more times costs a quarter more calls")
-RELATIVE = Tolerance(rtol=1e-7, reason="differences of nearly equal numbers lose up to eight of sixteen digits")
+RELATIVE = Tolerance(
+    rtol=1e-7, reason="differences of nearly equal numbers lose up to eight of sixteen digits"
+)
 FRAMES = Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it")
 NOT_K = "scipy's ellipk takes m = k², not k"
 LATE = "the accelerations come before the rates; dy/dt begins with θ̇, φ̇, ψ̇"
 NO_W3 = "ω₃ lacks the part φ̇ cos θ of the precession"
 
 
-def state(rng, row):  # in turn slow tops, with k² near 0.9, and fast ones; φ̇ and ψ̇ keep the axis away from the vertical
+def state(
+    rng, row
+):  # in turn slow tops, with k² near 0.9, and fast ones; φ̇ and ψ̇ keep the axis away from the vertical
     sign = (-1) ** row
     if row % 4 < 2:
-        return np.append(rng.uniform((0.5, -3, -3), (0.7, 3, 3)), sign * rng.uniform((-0.5, 1, 0.6), (0.5, 1.5, 1.5)))
+        return np.append(
+            rng.uniform((0.5, -3, -3), (0.7, 3, 3)), sign * rng.uniform((-0.5, 1, 0.6), (0.5, 1.5, 1.5))
+        )
     hanging = 1.2 * (row < 4)
-    return rng.uniform((0.5 + hanging, -3, -3, -1.5, -1.5, 8), (2.6, 3, 3, 1.5, 1.5, 16)) * (1, 1, 1, 1, 1, sign)
+    return rng.uniform((0.5 + hanging, -3, -3, -1.5, -1.5, 8), (2.6, 3, 3, 1.5, 1.5, 16)) * (
+        1,
+        1,
+        1,
+        1,
+        1,
+        sign,
+    )
 
 
 DRAWN = {"I1": uniform(0.8, 2), "I3": uniform(0.5, 1.5), "mgl": uniform(2, 10)}
@@ -60,16 +79,31 @@ def top_eqs(t, y, I1, I3, mgl):
 energy = "I1/2*(y[3]**2 + (y[4]*sin(y[0]))**2) + I3/2*(y[5] + y[4]*cos(y[0]))**2 + mgl*cos(y[0])"
 upward = "I1*y[4]*sin(y[0])**2 + I3*(y[5] + y[4]*cos(y[0]))*cos(y[0])"
 kept = {"E": (energy, MOTION), "L_z": (upward, MOTION), "L_3": ("I3*(y[5] + y[4]*cos(y[0]))", MOTION)}
-drive = {"motion": lambda t, y, I1, I3, mgl: HeavyTop(y, I1, I3, mgl).motion(t), "t_end": 4.0, "follow": MOTION}
+drive = {
+    "motion": lambda t, y, I1, I3, mgl: HeavyTop(y, I1, I3, mgl).motion(t),
+    "t_end": 4.0,
+    "follow": MOTION,
+}
 wrong = [
     mistake("+ mgl)", "- mgl)", "sign-flipped", "gravity pulls the axis upwards"),
     mistake("w3 = spin + swing * c", "w3 = spin", "missing-term", NO_W3),
-    mistake("2 * I1 * swing", "I1 * swing", "constant-factor", "the term 2 I₁ φ̇ θ̇ cos θ has lost its factor 2"),
+    mistake(
+        "2 * I1 * swing", "I1 * swing", "constant-factor", "the term 2 I₁ φ̇ θ̇ cos θ has lost its factor 2"
+    ),
     mistake(" - swinging * c", "", "missing-term", "ψ̈ lacks the term −φ̈ cos θ"),
-    mistake("[nod, swing, spin, tilting, swinging, spinning]", "[tilting, swinging, spinning, *y[3:]]", "component-order", LATE),
+    mistake(
+        "[nod, swing, spin, tilting, swinging, spinning]",
+        "[tilting, swinging, spinning, *y[3:]]",
+        "component-order",
+        LATE,
+    ),
 ]
 drive |= {"conserved": kept, "scale": (1, 1, 9, 1, 1, 9)}
-notebook.exercise("1", "Equations of motion", ode(top_eqs, {"t": 0.0, **OF_STATE}, ROUNDING, **drive, rows=ROWS, mistakes=wrong))
+notebook.exercise(
+    "1",
+    "Equations of motion",
+    ode(top_eqs, {"t": 0.0, **OF_STATE}, ROUNDING, **drive, rows=ROWS, mistakes=wrong),
+)
 
 
 def invariants(y, I1, I3, mgl):
@@ -102,20 +136,31 @@ def nutation(y, I1, I3, mgl):
     """Return the smallest and the largest θ in rad of the motion from y (6,), and the period in s of θ."""
     E, L_z, L_3 = invariants(y, I1, I3, mgl)
     nodding = np.polymul([-1, 0, 1], [-mgl, E - L_3**2 / (2 * I3)])
-    low, high, far = np.sort(np.roots(np.polysub(2 * I1 * nodding, np.polymul([-L_3, L_z], [-L_3, L_z]))).real)
+    low, high, far = np.sort(
+        np.roots(np.polysub(2 * I1 * nodding, np.polymul([-L_3, L_z], [-L_3, L_z]))).real
+    )
     m, rate = (high - low) / (far - low), np.sqrt(mgl * (far - low) / (2 * I1))
     return np.arccos(high), np.arccos(low), 2 * ellipk(m) / rate
 
 
 wrong = [
-    mistake("np.arccos(high), np.arccos(low)", "np.arccos(low), np.arccos(high)", "component-order", "θ falls as cos θ rises"),
+    mistake(
+        "np.arccos(high), np.arccos(low)",
+        "np.arccos(low), np.arccos(high)",
+        "component-order",
+        "θ falls as cos θ rises",
+    ),
     mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
     mistake("2 * ellipk", "4 * ellipk", "constant-factor", "sn² has the period 2K, not 4K"),
-    mistake("E - L_3**2 / (2 * I3)", "E", "missing-term", "the energy of the spin, L₃²/2I₃, is not subtracted"),
+    mistake(
+        "E - L_3**2 / (2 * I3)", "E", "missing-term", "the energy of the spin, L₃²/2I₃, is not subtracted"
+    ),
 ]
 agree = dict.fromkeys(("theta_min", "theta_max", "period"), WITHIN)
 exact = {"truth": lambda y, I1, I3, mgl: (*(top := HeavyTop(y, I1, I3, mgl)).turning_points, top.period)}
-nodding = values(nutation, OF_STATE, agree, **exact, uses=[invariants], rows=ROWS, budget_s=10.0, mistakes=wrong)
+nodding = values(
+    nutation, OF_STATE, agree, **exact, uses=[invariants], rows=ROWS, budget_s=10.0, mistakes=wrong
+)
 notebook.exercise("3", "Nutation", nodding)
 
 
@@ -132,26 +177,42 @@ wrong = [
 ]
 ask = {"theta": uniform(0.3, 1.3), "ratio": lambda rng: 1 + 10 ** rng.uniform(-3, 0.6), **DRAWN}
 agree = {"slow": RELATIVE, "fast": RELATIVE}
-exact = {"truth": lambda theta, ratio, I1, mgl: np.sort(np.roots([a := I1 * np.cos(theta), -2 * ratio * (a * mgl) ** 0.5, mgl]))}
+exact = {
+    "truth": lambda theta, ratio, I1, mgl: np.sort(
+        np.roots([a := I1 * np.cos(theta), -2 * ratio * (a * mgl) ** 0.5, mgl])
+    )
+}
 least = "steady_precession(theta, ratio * 2 * sqrt(I1 * mgl * cos(theta)) / I3, I1, I3, mgl)"
 steady = values(steady_precession, ask, agree, call=least, **exact, mistakes=wrong)
 
 
 def sleeping_top(w3, I1, I3, mgl):
-    """Return the least ω₃ > 0 in rad/s of a stable upright top, and the growth rate in 1/s of a small tilt at w3."""
+    """Return the least ω₃ > 0 in rad/s of a stable upright top, and the growth rate in 1/s of a small tilt at
+    w3.
+    """
     return 2 * np.sqrt(I1 * mgl) / I3, np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))
 
 
 def by_eigenvalues(ratio, I1, I3, mgl):
     w3 = 2 * ratio * (I1 * mgl) ** 0.5 / I3
-    k, g = (I1 - I3) / I1 * w3, mgl / I1  # of ω₁, ω₂ and the vertical's first two components in body axes, linearized
+    k, g = (
+        (I1 - I3) / I1 * w3,
+        mgl / I1,
+    )  # of ω₁, ω₂ and the vertical's first two components in body axes, linearized
     rates = [[0, k, 0, g], [-k, 0, -g, 0], [0, -1, 0, w3], [1, 0, -w3, 0]]
     return (4 * mgl * I1 / I3**2) ** 0.5, max(np.linalg.eigvals(rates).real)
 
 
 wrong = [
-    mistake("2 * np.sqrt(I1 * mgl)", "np.sqrt(I1 * mgl)", "constant-factor", "the limit is ω₃² = 4 I₁ m g ℓ / I₃²"),
-    mistake("np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))", "mgl / I1 - (I3 * w3 / (2 * I1)) ** 2", "wrong-power", "σ²"),
+    mistake(
+        "2 * np.sqrt(I1 * mgl)", "np.sqrt(I1 * mgl)", "constant-factor", "the limit is ω₃² = 4 I₁ m g ℓ / I₃²"
+    ),
+    mistake(
+        "np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))",
+        "mgl / I1 - (I3 * w3 / (2 * I1)) ** 2",
+        "wrong-power",
+        "σ²",
+    ),
     mistake("(2 * I1)) ** 2", "I1) ** 2", "constant-factor", "L₃/2I₁ is squared, not L₃/I₁"),
 ]
 ask = {"ratio": lambda rng, row: 1 - 10 ** rng.uniform(-3, -0.1) * (-1) ** row, **DRAWN}
@@ -181,15 +242,31 @@ def exact_state(t, s, I1, I3, mgl):
 
 
 wrong = [
-    mistake("[R[2, 1], -R[2, 0], 0]", "[-R[2, 1], R[2, 0], 0]", "sign-flipped", "gravity pulls the axis upwards"),
-    mistake("[R[2, 1], -R[2, 0], 0]", "[R[1, 2], -R[0, 2], 0]", "transposed", "the vertical in body axes is R's last row"),
+    mistake(
+        "[R[2, 1], -R[2, 0], 0]", "[-R[2, 1], R[2, 0], 0]", "sign-flipped", "gravity pulls the axis upwards"
+    ),
+    mistake(
+        "[R[2, 1], -R[2, 0], 0]",
+        "[R[1, 2], -R[0, 2], 0]",
+        "transposed",
+        "the vertical in body axes is R's last row",
+    ),
     mistake('"C"', '"F"', "transposed", "R is ravelled by columns; the state holds its rows"),
     mistake("R @ turning", "turning @ R", "wrong-operator", "[ω]× acts on body components: R [ω]×"),
     mistake("torque - np", "torque + np", "sign-flipped", "ω × L has the opposite sign"),
 ]
 kept = {"L_z": ("I1*(s[9]*s[0] + s[10]*s[1]) + I3*s[11]*s[2]", MOTION)}
-drive = {"motion": exact_state, "t_end": 2.0, "follow": MOTION, "conserved": kept, "state": "s", "scale": (9.0,) * 3 + (1.0,) * 9}
-by_matrix = ode(matrix_eqs, {"t": 0.0, "s": near_vertical, **DRAWN}, ROUNDING, **drive, rows=ROWS, mistakes=wrong)
+drive = {
+    "motion": exact_state,
+    "t_end": 2.0,
+    "follow": MOTION,
+    "conserved": kept,
+    "state": "s",
+    "scale": (9.0,) * 3 + (1.0,) * 9,
+}
+by_matrix = ode(
+    matrix_eqs, {"t": 0.0, "s": near_vertical, **DRAWN}, ROUNDING, **drive, rows=ROWS, mistakes=wrong
+)
 
 
 TOP = (1.0, 0.6, 10.0)  # as in the notebook's Setup, like SOLVER and start
@@ -197,13 +274,19 @@ SOLVER = {"method": "DOP853", "rtol": 1e-8, "atol": 1e-10}
 
 
 def start(tilt, spin):
-    """Return one start as y (6,) and as s (12,), w and the rows of R: θ = tilt, φ = ψ = 0, w = (0, 0.6, spin) rad/s."""
+    """Return one start as y (6,) and as s (12,), w and the rows of R: θ = tilt, φ = ψ = 0, w = (0, 0.6, spin)
+    rad/s.
+    """
     c, s = np.cos(tilt), np.sin(tilt)
-    return np.array([tilt, 0, 0, 0, 0.6 / s, spin - 0.6 * c / s]), np.array([0, 0.6, spin, 1, 0, 0, 0, c, -s, 0, s, c])
+    return np.array([tilt, 0, 0, 0, 0.6 / s, spin - 0.6 * c / s]), np.array(
+        [0, 0.6, spin, 1, 0, 0, 0, c, -s, 0, s, c]
+    )
 
 
 def gimbal_lock(tilt, spin):
-    """Return the calls for 2 s from start(tilt, spin) with Euler angles and with the matrix, and the angle θ in rad at the end."""
+    """Return the calls for 2 s from start(tilt, spin) with Euler angles and with the matrix, and the angle θ
+    in rad at the end.
+    """
     y, s = start(tilt, spin)
     euler = solve_ivp(top_eqs, (0, 2), y, args=TOP, **SOLVER)
     matrix = solve_ivp(matrix_eqs, (0, 2), s, args=TOP, **SOLVER)
@@ -212,11 +295,21 @@ def gimbal_lock(tilt, spin):
 
 wrong = [
     mistake("matrix.y[11, -1]", "matrix.y[11, 0]", "wrong-index", "this is the tilt at the start"),
-    mistake("euler.nfev, matrix.nfev", "matrix.nfev, euler.nfev", "component-order", "the calls with Euler angles come first"),
+    mistake(
+        "euler.nfev, matrix.nfev",
+        "matrix.nfev, euler.nfev",
+        "component-order",
+        "the calls with Euler angles come first",
+    ),
 ]
 ask = {"tilt": lambda rng, row: 10 ** -(row % 4 + rng.uniform(0, 1)), "spin": uniform(12, 20)}
 agree = {"calls_euler": CALLS, "calls_matrix": CALLS, "tilt_end": TILT}
-exact = {"truth": lambda tilt, spin: (*gimbal_lock(tilt, spin)[:2], HeavyTop(start(tilt, spin)[0], *TOP).motion([2.0])[0, 0])}
+exact = {
+    "truth": lambda tilt, spin: (
+        *gimbal_lock(tilt, spin)[:2],
+        HeavyTop(start(tilt, spin)[0], *TOP).motion([2.0])[0, 0],
+    )
+}
 lock = values(gimbal_lock, ask, agree, **exact, uses=[top_eqs, matrix_eqs], rows=(4, 4), mistakes=wrong)
 notebook.exercise("5", "Gimbal lock", by_matrix, lock)
 
@@ -230,13 +323,21 @@ wrong = [
     mistake("np.pi * I1", "np.pi * I3", "wrong-variable", "the rate is (I₃ − I₁)/I₁ ω₃, not (I₃ − I₁)/I₃ ω₃"),
     mistake("2 * np.pi * I1", "I1", "constant-factor", "the period is 2π over the rate"),
 ]
-ask = {"w3": uniform(0.5, 9), "I1": uniform(1, 1.8), "flat": lambda rng, row: (-1) ** row * 10 ** rng.uniform(-2.5, -0.2)}
+ask = {
+    "w3": uniform(0.5, 9),
+    "I1": uniform(1, 1.8),
+    "flat": lambda rng, row: (-1) ** row * 10 ** rng.uniform(-2.5, -0.2),
+}
 exact = {"truth": lambda w3, I1, flat: Exact((0.1, 0.2, w3), (I1, I1, I1 * (1 + flat))).period}
-wobble = values(wobble_period, ask, RELATIVE, call="wobble_period(w3, I1, I1 * (1 + flat))", **exact, mistakes=wrong)
+wobble = values(
+    wobble_period, ask, RELATIVE, call="wobble_period(w3, I1, I1 * (1 + flat))", **exact, mistakes=wrong
+)
 
 
 def flip_period(w, I):
-    """Return the time in s between two reversals of ω₂ of a free body with I₁ < I₂ < I₃ that starts with w (3,)."""
+    """Return the time in s between two reversals of ω₂ of a free body with I₁ < I₂ < I₃ that starts with w
+    (3,).
+    """
     first, second, third = I
     L2, twice = np.sum((I * w) ** 2), np.sum(I * w**2)
     if twice * second > L2:
@@ -248,10 +349,15 @@ def flip_period(w, I):
 
 wrong = [
     mistake("2 * ellipk", "4 * ellipk", "constant-factor", "ω₂ returns after two reversals"),
-    mistake("rate2 = (third - second)", "rate2 = (third - first)", "wrong-variable", "I₃ − I₁ stands for I₃ − I₂"),
+    mistake(
+        "rate2 = (third - second)", "rate2 = (third - first)", "wrong-variable", "I₃ − I₁ stands for I₃ − I₂"
+    ),
     mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
 ]
-ask = {"w": uniform(-5, 5, 3), "I": lambda rng: (edges2 := rng.uniform((2.6, 1.0, 0.1), (4.8, 1.7, 0.4))).sum() - edges2}  # a book
+ask = {
+    "w": uniform(-5, 5, 3),
+    "I": lambda rng: (edges2 := rng.uniform((2.6, 1.0, 0.1), (4.8, 1.7, 0.4))).sum() - edges2,
+}  # a book
 flip = values(flip_period, ask, RELATIVE, truth=lambda w, I: Exact(w, I).period / 2, mistakes=wrong)
 notebook.exercise("6", "Wobble and flip of free tops", wobble, flip)
 
@@ -259,7 +365,9 @@ notebook.exercise("6", "Wobble and flip of free tops", wobble, flip)
 def animate_axis(t, axis):
     """Return an animation of the top's axis (n, 3), unit vectors in space, at the times t (n,)."""
     fig = plt.figure()
-    ax = fig.add_subplot(projection="3d", xlim=(-1, 1), ylim=(-1, 1), zlim=(0, 1), xlabel="x", ylabel="y", zlabel="z")
+    ax = fig.add_subplot(
+        projection="3d", xlim=(-1, 1), ylim=(-1, 1), zlim=(0, 1), xlabel="x", ylabel="y", zlabel="z"
+    )
     (line,) = ax.plot([], [], [], lw=3)
 
     def update(k):
@@ -271,9 +379,19 @@ def animate_axis(t, axis):
 
 
 wrong = [
-    mistake("[[0, 0, 0], axis[k]]", "[[0, 0, 0], axis[k, ::-1]]", "mirrored", "the components are in reverse order"),
+    mistake(
+        "[[0, 0, 0], axis[k]]",
+        "[[0, 0, 0], axis[k, ::-1]]",
+        "mirrored",
+        "the components are in reverse order",
+    ),
     mistake("axis[k]]).T", "axis[0]]).T", "static", "every frame shows the first sample"),
-    mistake("    def update(k):\n", "    def update(k):\n        k = k * k // len(t)\n", "wrong-frames", "the rate is uneven"),
+    mistake(
+        "    def update(k):\n",
+        "    def update(k):\n        k = k * k // len(t)\n",
+        "wrong-frames",
+        "the rate is uneven",
+    ),
 ]
 SECONDS = np.linspace(0, 1.5, 46)
 AXIS = HeavyTop((0.9, 0, 0, 0, 0, 14), 1.0, 0.6, 10.0).attitude(SECONDS)[:, :, 2]

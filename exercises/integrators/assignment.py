@@ -1,7 +1,7 @@
 """Integrators: four steps for x'' = acc(x), their energy error, stability limit, order and cost.
 
-Each truth is another method than its solution; ``tests/exercises/test_integrators.py`` compares the truths with a third source:
-60-digit arithmetic, the two-step form of Verlet's method, and matrix powers.
+Each truth is another method than its solution; ``tests/exercises/test_integrators.py`` compares the truths
+with a third source: 60-digit arithmetic, the two-step form of Verlet's method, and matrix powers.
 """
 
 from math import log2, sqrt
@@ -14,20 +14,30 @@ from exercises.kinds.values import values
 
 notebook = Notebook("Integrators", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-12, reason="a hundred times what two forms of a step differ by")
-SEARCHED = Tolerance(rtol=1e-3, atol=0, reason="the search takes a growth of a millionth in one step as rounding")
+SEARCHED = Tolerance(
+    rtol=1e-3, atol=0, reason="the search takes a growth of a millionth in one step as rounding"
+)
 ORDER = Tolerance(atol=0.2, reason="four times what the slope bends at the largest steps")
 OLD_V, OLD_A = "the position moves with the old velocity", "both accelerations are the old one"
 
 
 def step_questions(solution, truth, order, limit, calls, mistakes):
-    """Return two questions for one step: of the planet, with the chart of speed against accuracy of about three years; and of other
-    forces, in turn at the same place and at the place of the step before.
+    """Return two questions for one step: of the planet, with the chart of speed against accuracy of about
+    three years; and of other forces, in turn at the same place and at the place of the step before.
     """
     ask = {"acc": family("-mu * x / (x @ x) ** 1.5", "x", mu=uniform(0.9, 1.1))}
-    ask |= {"x": lambda rng: rng.uniform((0.9, -0.1), (1.1, 0.1)), "v": lambda rng: rng.uniform((-0.2, 0.9), (0.2, 1.1))}
+    ask |= {
+        "x": lambda rng: rng.uniform((0.9, -0.1), (1.1, 0.1)),
+        "v": lambda rng: rng.uniform((-0.2, 0.9), (0.2, 1.1)),
+    }
     ask["h"] = uniform(0.02, 0.1)
     least = Tolerance(limit=calls, reason="the method needs no more")
-    measured = {"rates": lambda acc, x, v: (v, acc(x)), "order": (order, ORDER), "stability": limit, "chart": 20.0}
+    measured = {
+        "rates": lambda acc, x, v: (v, acc(x)),
+        "order": (order, ORDER),
+        "stability": limit,
+        "chart": 20.0,
+    }
     agree = {"x": ROUNDING, "v": ROUNDING}
     planet = stepper(solution, ask, agree, truth=truth, calls=least, **measured, mistakes=mistakes)
     name = solution.__name__
@@ -36,7 +46,9 @@ def step_questions(solution, truth, order, limit, calls, mistakes):
         first = np.array(truth(acc, x, v, h))
         return [first, truth(other, *first, h), truth(other, x, v, h)]
 
-    call = f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
+    call = (
+        f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
+    )
     ask = {"acc": family("-sin(k * x)", "x", k=uniform(1, 3)), "other": family("cos(x) - x", "x")}
     ask |= {"x": uniform(-1, 1, 2), "v": uniform(-1, 1, 2), "h": uniform(0.1, 1.5)}
     label = f"{name} is right for large steps and other forces"
@@ -45,7 +57,9 @@ def step_questions(solution, truth, order, limit, calls, mistakes):
 
 def by_tableau(method):
     """Return the step of a Runge–Kutta method for y = (x, v)."""
-    return lambda acc, x, v, h: tuple(method(lambda t, y: np.array([y[1], acc(y[0])]), 0.0, np.array([x, v]), h))
+    return lambda acc, x, v, h: tuple(
+        method(lambda t, y: np.array([y[1], acc(y[0])]), 0.0, np.array([x, v]), h)
+    )
 
 
 def euler_step(acc, x, v, h):
@@ -64,17 +78,37 @@ def by_places(acc, x, v, h):
     return new, (new - x) / h
 
 
-NEVER = (0, Tolerance(rtol=0, atol=5e-3, reason="the search takes a growth of a millionth in one step as rounding"))
+NEVER = (
+    0,
+    Tolerance(rtol=0, atol=5e-3, reason="the search takes a growth of a millionth in one step as rounding"),
+)
 wrong = [
-    mistake("x + h * v,", "x + h * (v + h * acc(x)),", "wrong-variable", "the place moves with the new velocity"),
+    mistake(
+        "x + h * v,", "x + h * (v + h * acc(x)),", "wrong-variable", "the place moves with the new velocity"
+    ),
     mistake("acc(x)", "acc(x + h * v)", "wrong-variable", "acc is that of the new place"),
     mistake("+ h * acc(x)", "- h * acc(x)", "sign-flipped", "the acceleration is subtracted"),
 ]
 first = step_questions(euler_step, by_tableau(euler), 1, NEVER, 1, wrong)
 wrong = [
-    mistake("    v = v + h * acc(x)\n    return x + h * v, v", "    return x + h * v, v + h * acc(x)", "wrong-variable", OLD_V),
-    mistake("x + h * v, v", "x + h * (v - h / 2 * acc(x)), v", "constant-factor", "the position moves with the mean velocity"),
-    mistake("    v = v", "    x = x + h * v\n    v = v", "component-order", "the position moves before the velocity, and twice"),
+    mistake(
+        "    v = v + h * acc(x)\n    return x + h * v, v",
+        "    return x + h * v, v + h * acc(x)",
+        "wrong-variable",
+        OLD_V,
+    ),
+    mistake(
+        "x + h * v, v",
+        "x + h * (v - h / 2 * acc(x)), v",
+        "constant-factor",
+        "the position moves with the mean velocity",
+    ),
+    mistake(
+        "    v = v",
+        "    x = x + h * v\n    v = v",
+        "component-order",
+        "the position moves before the velocity, and twice",
+    ),
 ]
 second = step_questions(symplectic_step, by_places, 1, (2, SEARCHED), 1, wrong)
 notebook.exercise("1", "Euler's step, and a small change", *first, *second)
@@ -97,7 +131,9 @@ wrong = [
     mistake("x + h * half", "x + h * v + h**2 / 2 * acc(x)"),
     mistake("    x = x + h * half\n    return x,", "    return x + h * half,", "wrong-variable", OLD_A),
 ]
-notebook.exercise("2", "Velocity Verlet", *step_questions(verlet_step, by_mean_acceleration, 2, (2, SEARCHED), 2, wrong))
+notebook.exercise(
+    "2", "Velocity Verlet", *step_questions(verlet_step, by_mean_acceleration, 2, (2, SEARCHED), 2, wrong)
+)
 
 
 def rk4_step(acc, x, v, h):
@@ -111,12 +147,25 @@ def rk4_step(acc, x, v, h):
 
 wrong = [
     mistake("v + h / 2 * a1", "v + h / 2 * acc(x)"),
-    mistake("h * a3, acc(x + h * v3)", "h / 2 * a3, acc(x + h / 2 * v3)", "constant-factor", "the last slopes are those of h/2"),
-    mistake("+ 2 * v2 + 2 * v3", "+ v2 + v3", "missing-term", "the weights 2 of the middle slopes of x are missing"),
+    mistake(
+        "h * a3, acc(x + h * v3)",
+        "h / 2 * a3, acc(x + h / 2 * v3)",
+        "constant-factor",
+        "the last slopes are those of h/2",
+    ),
+    mistake(
+        "+ 2 * v2 + 2 * v3",
+        "+ v2 + v3",
+        "missing-term",
+        "the weights 2 of the middle slopes of x are missing",
+    ),
 ]
-notebook.exercise("3", "Runge and Kutta", *step_questions(rk4_step, by_tableau(rk4), 4, (sqrt(8), SEARCHED), 4, wrong))
+notebook.exercise(
+    "3", "Runge and Kutta", *step_questions(rk4_step, by_tableau(rk4), 4, (sqrt(8), SEARCHED), 4, wrong)
+)
 
-# b = 0 is Euler's step and b = 1 a symplectic one, of the oscillator x'' = -k² x with h in place of kh; e = 1 exchanges x and v.
+# b = 0 is Euler's step and b = 1 a symplectic one, of the oscillator x'' = -k² x with h in place of kh; e = 1
+# exchanges x and v.
 BLEND = "(x + k * h * (v + (1 - e) * b * k * h * acc(x)), v + k * h * acc(x + e * b * k * h * v))"
 
 
@@ -130,7 +179,9 @@ def energy_error(step, h, n):
 
 
 def by_eigenvalues(h, n, b):
-    """Raise the matrix by which a step multiplies (x, v) to all powers up to n; take the first column of each."""
+    """Raise the matrix by which a step multiplies (x, v) to all powers up to n; take the first column of
+    each.
+    """
     factors, modes = np.linalg.eig(np.array([[1 - b * h**2, h], [-h, 1]], dtype=complex))
     found = (modes * factors ** np.arange(n + 1)[:, None, None]) @ np.linalg.inv(modes)
     return np.abs(np.sum(found[:, :, 0].real ** 2, axis=1) - 1).max()
@@ -139,12 +190,24 @@ def by_eigenvalues(h, n, b):
 blend = family(BLEND, "acc", "x", "v", "h", b=lambda rng, row: (0.0, 0.5, 1.0, 1.2)[row % 4], k=1.0, e=0)
 ask = {"step": blend, "h": uniform(0.05, 0.3), "n": integers(1, 300)}
 wrong = [
-    mistake("max(worst, abs(x**2 + v**2 - 1))", "abs(x**2 + v**2 - 1)", "missing-term", "the error is that of the last step"),
+    mistake(
+        "max(worst, abs(x**2 + v**2 - 1))",
+        "abs(x**2 + v**2 - 1)",
+        "missing-term",
+        "the error is that of the last step",
+    ),
     mistake("abs(x**2 + v**2 - 1)", "x**2 + v**2 - 1", "wrong-function", "a loss of energy does not count"),
-    mistake("abs(x**2 + v**2 - 1)", "abs(x**2 + v**2 - 1) / 2", "constant-factor", "the error is not relative to E(0) = 1/2"),
+    mistake(
+        "abs(x**2 + v**2 - 1)",
+        "abs(x**2 + v**2 - 1) / 2",
+        "constant-factor",
+        "the error is not relative to E(0) = 1/2",
+    ),
 ]
 RELATIVE = Tolerance(rtol=1e-10, atol=1e-11, reason="a hundred times the rounding errors of 300 steps")
-notebook.exercise("4", "Energy", values(energy_error, ask, RELATIVE, truth=by_eigenvalues, rows=(5, 16), mistakes=wrong))
+notebook.exercise(
+    "4", "Energy", values(energy_error, ask, RELATIVE, truth=by_eigenvalues, rows=(5, 16), mistakes=wrong)
+)
 
 
 def growth(step, h):
@@ -165,7 +228,9 @@ def by_crossing(b, k):
 
 
 def stability_limit(step):
-    """Return the largest h between 0.1 and 4 with which the oscillator does not grow, to 1e-6, or 0 if it grows with h = 0.1."""
+    """Return the largest h between 0.1 and 4 with which the oscillator does not grow, to 1e-6, or 0 if it
+    grows with h = 0.1.
+    """
     stable, unstable = 0.1, 4.0
     if growth(step, stable) > 1 + 1e-9:
         return 0.0
@@ -176,21 +241,48 @@ def stability_limit(step):
 
 
 REAL_PARTS = ("wrong-function", "the real parts of the eigenvalues stand for their absolute values")
-ask = {"step": family(BLEND, "acc", "x", "v", "h", b=uniform(0, 2.5), k=uniform(0.5, 2), e=choice(0, 1)), "h": uniform(0.3, 3)}
+ask = {
+    "step": family(BLEND, "acc", "x", "v", "h", b=uniform(0, 2.5), k=uniform(0.5, 2), e=choice(0, 1)),
+    "h": uniform(0.3, 3),
+}
 wrong = [
-    mistake("(1.0, 0.0), (0.0, 1.0)", "(1.0, 0.0), (1.0, 1.0)", "wrong-start", "the second column is the step from (1, 1)"),
-    mistake("np.abs(np.linalg.eigvals(np.array(columns).T))", "np.linalg.eigvals(np.array(columns).T).real", *REAL_PARTS),
-    mistake("np.abs(np.linalg.eigvals(np.array(columns).T)).max()", "np.linalg.norm(columns, 2)", "wrong-quantity", "the norm"),
+    mistake(
+        "(1.0, 0.0), (0.0, 1.0)",
+        "(1.0, 0.0), (1.0, 1.0)",
+        "wrong-start",
+        "the second column is the step from (1, 1)",
+    ),
+    mistake(
+        "np.abs(np.linalg.eigvals(np.array(columns).T))",
+        "np.linalg.eigvals(np.array(columns).T).real",
+        *REAL_PARTS,
+    ),
+    mistake(
+        "np.abs(np.linalg.eigvals(np.array(columns).T)).max()",
+        "np.linalg.norm(columns, 2)",
+        "wrong-quantity",
+        "the norm",
+    ),
 ]
 NEAR = Tolerance(atol=1e-7, reason="the root of the rounding errors, where two eigenvalues meet")
 grows = values(growth, ask, NEAR, truth=by_trace, rows=(6, 16), mistakes=wrong)
-# In turn: growth with every h, of hardly more than 1e-9 in the sixth row; a limit below 0.1, near 0.1, in the middle, and near 4.
-growing = {"b": lambda rng, row: [(0.5, 1 - 1e-6)[row // 5 % 2], 1.0, 1.0, rng.uniform(1.05, 2.5), 1.0][row % 5]}
-growing["k"] = lambda rng, row: 2 / rng.uniform(*[(1, 4), (0.05, 0.09), (0.105, 0.15), (1, 3), (3.3, 3.95)][row % 5])
+# In turn: growth with every h, of hardly more than 1e-9 in the sixth row; a limit below 0.1, near 0.1, in the
+# middle, and near 4.
+growing = {
+    "b": lambda rng, row: [(0.5, 1 - 1e-6)[row // 5 % 2], 1.0, 1.0, rng.uniform(1.05, 2.5), 1.0][row % 5]
+}
+growing["k"] = lambda rng, row: (
+    2 / rng.uniform(*[(1, 4), (0.05, 0.09), (0.105, 0.15), (1, 3), (3.3, 3.95)][row % 5])
+)
 growing["e"] = lambda rng, row: row % 2
 ask = {"step": family(BLEND, "acc", "x", "v", "h", **growing)}
 wrong = [
-    mistake("> 1 + 1e-9 else", "> 1.01 else", "wrong-constant", "a growth of a hundredth in each step counts as stable"),
+    mistake(
+        "> 1 + 1e-9 else",
+        "> 1.01 else",
+        "wrong-constant",
+        "a growth of a hundredth in each step counts as stable",
+    ),
     mistake("return 0.0", "return stable", "missing-term", "a method that always grows has no limit of 0.1"),
     mistake("    if growth(step, stable) > 1 + 1e-9:\n        return 0.0\n", ""),
     mistake("> 1 + 1e-9", "> 1", "wrong-constant", "rounding errors count as growth"),
@@ -199,8 +291,11 @@ LIMIT = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
 limits = values(stability_limit, ask, LIMIT, truth=by_crossing, uses=[growth], rows=(10, 15), mistakes=wrong)
 notebook.exercise("5", "Where a method fails", grows, limits)
 
-# On x'' = -x from x = 1, v = 0 the number z = x + iv is exp(-it); a step of SCHEME multiplies it by 1 - ih - c h²/2.
-SCHEME = "(x + h * v, v + h * acc(x)) if c == 0 else (x + h * (v + h / 2 * acc(x)), v + h * acc(x + h / 2 * v))"
+# On x'' = -x from x = 1, v = 0 the number z = x + iv is exp(-it); a step of SCHEME multiplies it by 1 - ih -
+# c h²/2.
+SCHEME = (
+    "(x + h * v, v + h * acc(x)) if c == 0 else (x + h * (v + h / 2 * acc(x)), v + h * acc(x + h / 2 * v))"
+)
 STEP = family(SCHEME, "acc", "x", "v", "h", c=lambda rng, row: row % 2)
 ERROR = Tolerance(limit=1e-10, reason="a hundred times the rounding errors of 400 steps")
 RATIO = Tolerance(atol=1e-7, reason="the rounding errors of 400 steps, relative to an error of 1e-5")
@@ -247,7 +342,14 @@ def by_formula(tol, c):
     return 2 * n + int(np.sum(((1 - 5j / n - c * (5 / n) ** 2 / 2) ** np.arange(n)).real < 0))
 
 
-wrong = [mistake("np.hypot(x - np.cos(5), v + np.sin(5))", "abs(x - np.cos(5))", "missing-term", "the error of v is missing")]
+wrong = [
+    mistake(
+        "np.hypot(x - np.cos(5), v + np.sin(5))",
+        "abs(x - np.cos(5))",
+        "missing-term",
+        "the error of v is missing",
+    )
+]
 ask = {"step": STEP, "acc": family("-k * x", "x", k=uniform(0.5, 2))}
 ask["n"] = lambda rng, row: 1 if row % 3 == 0 else rng.integers(2, 401)
 errors = values(final_error, ask, ERROR, truth=by_complex_powers, mistakes=wrong)
@@ -266,10 +368,13 @@ ask = {
     "tol": lambda rng, row: 10 ** (0.3 - 0.7 * (row % 5 + rng.uniform(0, 1))),
 }
 cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], rows=(5, 15), mistakes=wrong)
-# A step to x = 2⁶⁰ h, beside which cos 5 is nothing: the error is 5 · 2⁶⁰/n exactly. In turn it is tol, above it, below it.
+# A step to x = 2⁶⁰ h, beside which cos 5 is nothing: the error is 5 · 2⁶⁰/n exactly. In turn it is tol, above
+# it, below it.
 ask = {"step": family("(2.0**60 * h + 0 * x, 0 * acc(x))", "acc", "x", "v", "h")}
 factors = (1, 1 - 2.0**-20, 1)
-ask["tol"] = lambda rng, row: factors[row % 3] * 5 * 2.0**60 / rng.choice([(8, 16), (64, 512), (1, 2)][row % 3])
+ask["tol"] = lambda rng, row: (
+    factors[row % 3] * 5 * 2.0**60 / rng.choice([(8, 16), (64, 512), (1, 2)][row % 3])
+)
 given = {"truth": lambda tol: next(n for n in 8 * 2.0 ** np.arange(20) if 5 * 2.0**60 / n <= tol)}
 given["label"] = "calls_needed takes an error that equals tol, and none above it"
 equal = values(calls_needed, ask, EXACT, **given, uses=[final_error], rows=(3, 6))

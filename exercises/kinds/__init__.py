@@ -1,4 +1,6 @@
-"""The kinds of questions that an author's ``assignment.py`` may ask, a module each, and what all of them take."""
+"""The kinds of questions that an author's ``assignment.py`` may ask, a module each, and what all of them
+take.
+"""
 
 import functools
 import inspect
@@ -19,11 +21,13 @@ SHARED = {"mistakes": Sequence[Mistake], "rows": Rows, "budget_s": Positive, "us
 def kind(
     rows: tuple[int, int] | None = (PUBLIC_ROWS, HIDDEN_ROWS), budget_s: float = 5.0, *, uses: bool = True
 ) -> Callable[[Callable[..., Question]], Callable[..., Question]]:
-    """Return the decorator of a function that makes a question: it takes the arguments of all kinds too, and collects errors.
+    """Return the decorator of a function that makes a question: it takes the arguments of all kinds too, and
+    collects errors.
 
-    All take ``mistakes``, ``budget_s``, the seconds that one scene may take, and unless excluded here ``rows``, the numbers of
-    public and of hidden inputs, and ``uses``, solutions of earlier questions that the solution calls. An argument whose value does
-    not fit its type hint, or an exception of the function, is an error of the question.
+    All take ``mistakes``, ``budget_s``, the seconds that one scene may take, and unless excluded here
+    ``rows``, the numbers of public and of hidden inputs, and ``uses``, solutions of earlier questions that
+    the solution calls. An argument whose value does not fit its type hint, or an exception of the function,
+    is an error of the question.
     """
     defaults: dict[str, Any] = {"mistakes": (), "budget_s": budget_s}
     defaults |= ({"rows": rows} if rows else {}) | ({"uses": ()} if uses else {})
@@ -33,7 +37,9 @@ def kind(
         shared = [Parameter(name, Parameter.KEYWORD_ONLY, default=value) for name, value in defaults.items()]
         every = [*own.parameters.values(), *(one for one in shared if one.name not in own.parameters)]
         signature = own.replace(parameters=sorted(every, key=lambda parameter: parameter.kind))
-        hints |= {p.name: GenericAlias(Mapping, (str, hints[p.name])) for p in every if p.kind is p.VAR_KEYWORD}
+        hints |= {
+            p.name: GenericAlias(Mapping, (str, hints[p.name])) for p in every if p.kind is p.VAR_KEYWORD
+        }
 
         @functools.wraps(make)
         def made(*args: Any, **named: Any) -> Question:
@@ -51,7 +57,9 @@ def kind(
                 question = make(*call.args, **call.kwargs)
             except Exception as error:
                 question = replace(invalid, solution=None if "solution" in wrong else given["solution"])
-                wrong = wrong or {"": [str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"]}
+                wrong = wrong or {
+                    "": [str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"]
+                }
             taken = {name: given[name] for name in defaults if name not in wrong}
             return replace(question, **taken, wrong=wrong, line=line)
 

@@ -29,7 +29,9 @@ RECORDING_S, BUDGET_S = 12.0, 15.0
 
 @dataclass(frozen=True, eq=False)
 class Animated(Question):
-    """A question whose answer is the recording of an animation, and whose exact answer is the trajectories it is given."""
+    """A question whose answer is the recording of an animation, and whose exact answer is the trajectories it
+    is given.
+    """
 
     @property
     def asked(self) -> dict[str, Any]:
@@ -39,7 +41,9 @@ class Animated(Question):
     def exact(self, rows: Mapping[str, Any], part: Any = None) -> dict[str, Any]:
         """Return the times and trajectories of the first row, and the drawn values as ``at_NAME``."""
         given = asking.arguments(self.document, next(asking.each_row(rows), {}))
-        wanted = {name: np.asarray(given[name], dtype=float) for name in (self.data["time"], *self.data["follow"])}
+        wanted = {
+            name: np.asarray(given[name], dtype=float) for name in (self.data["time"], *self.data["follow"])
+        }
         return wanted | {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}
 
     def _specs(self, rows: int, part: Any = None) -> Any:
@@ -56,11 +60,13 @@ def animation(
     time: str = "t",
     budget_s: Positive = BUDGET_S,
 ) -> Question:
-    """Return the question to draw an animation with ``solution``, which returns or shows it, from the arguments ``ask``.
+    """Return the question to draw an animation with ``solution``, which returns or shows it, from the
+    arguments ``ask``.
 
-    ``follow`` names the arguments that are trajectories, arrays (n, 2) or (n, 3), at the times (n,) of the argument ``time``. Each
-    must be followed by something drawn, evenly from its start to its end. The ``limit`` of ``agree`` is the largest deviation,
-    relative to the trajectory's extent. A hidden scene exists if an argument is drawn.
+    ``follow`` names the arguments that are trajectories, arrays (n, 2) or (n, 3), at the times (n,) of the
+    argument ``time``. Each must be followed by something drawn, evenly from its start to its end. The
+    ``limit`` of ``agree`` is the largest deviation, relative to the trajectory's extent. A hidden scene
+    exists if an argument is drawn.
     """
     made = Animated(
         kind="animation",
@@ -94,6 +100,9 @@ def _errors(question: Question) -> Iterator[str]:
     for name in question.data["follow"]:
         path, n = exact[name], len(exact[question.data["time"]])
         if path.shape not in ((n, 2), (n, 3)):
-            yield f"{question.function}: the trajectory {name} has shape {path.shape}; it must be ({n}, 2) or ({n}, 3)"
+            yield (
+                f"{question.function}: the trajectory {name} has shape {path.shape}; it must be ({n}, 2) or"
+                f" ({n}, 3)"
+            )
         elif np.ptp(path, axis=0).max() == 0:
             yield f"{question.function}: the trajectory {name} does not move"

@@ -14,7 +14,9 @@ from exercises.question import Question
 
 @dataclass(frozen=True)
 class Symbol:
-    """A sympy symbol: where its points lie, on the real axis or in the complex square, and sympy's assumptions of it."""
+    """A sympy symbol: where its points lie, on the real axis or in the complex square, and sympy's
+    assumptions of it.
+    """
 
     low: float
     high: float
@@ -27,9 +29,11 @@ class Symbol:
 
 
 def symbol(low: float, high: float, *, complex: bool = False, **assumptions: bool) -> Symbol:
-    """Return a symbol whose points are drawn between ``low`` and ``high``, with ``complex`` in real and in imaginary part.
+    """Return a symbol whose points are drawn between ``low`` and ``high``, with ``complex`` in real and in
+    imaginary part.
 
-    ``assumptions`` are those of sympy, such as ``positive=True``. The expression must be exact at all of these points.
+    ``assumptions`` are those of sympy, such as ``positive=True``. The expression must be exact at all of
+    these points.
     """
     return Symbol(low, high, complex, assumptions)
 
@@ -44,11 +48,13 @@ def expression(
     variable: str | None = None,
     label: str | None = None,
 ) -> Question:
-    """Return the question for a sympy expression, a matrix of expressions, or several expressions, that ``solution`` returns.
+    """Return the question for a sympy expression, a matrix of expressions, or several expressions, that
+    ``solution`` returns.
 
-    ``ask`` maps its parameters to symbols, constants and draws. ``truth`` gets numbers for the symbols and returns numbers, by
-    numpy, sympy or another method. ``variable`` names the expression that a cell assigns, the body of ``solution``; its symbols
-    are known by the names in ``ask``. ``agree`` is that of ``values``. The assignment declares ``packages=("sympy",)``.
+    ``ask`` maps its parameters to symbols, constants and draws. ``truth`` gets numbers for the symbols and
+    returns numbers, by numpy, sympy or another method. ``variable`` names the expression that a cell assigns,
+    the body of ``solution``; its symbols are known by the names in ``ask``. ``agree`` is that of ``values``.
+    The assignment declares ``packages=("sympy",)``.
     """
     symbols = {name: value for name, value in ask.items() if isinstance(value, Symbol)}
     return Question(
@@ -67,7 +73,9 @@ def _numeric(truth: Callable[..., Any], symbols: Mapping[str, Symbol]) -> Callab
 
     @functools.wraps(truth)
     def exact(**given: Any) -> Any:
-        answer = truth(**{n: complex(*v) if n in symbols and symbols[n].complex else v for n, v in given.items()})
+        answer = truth(
+            **{n: complex(*v) if n in symbols and symbols[n].complex else v for n, v in given.items()}
+        )
         return tuple(map(_complex, answer)) if isinstance(answer, tuple) else _complex(answer)
 
     return exact

@@ -14,7 +14,9 @@ from exercises.question import Question
 
 STARTS = 8
 Data = Annotated[Any, Rule("an array (n,) of real numbers", lambda x: np.ndim(x) == 1 and is_numeric(x))]
-Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", lambda a: is_numeric(a) and np.min(a) > 0)]
+Deviations = Annotated[
+    Any, Rule("a number > 0, or an array of such numbers", lambda a: is_numeric(a) and np.min(a) > 0)
+]
 Array = NDArray[np.float64]
 
 
@@ -29,20 +31,30 @@ def fit(
     agree: tuple[LimitOrValue, LimitOrValue],
     absolute_sigma: bool = True,
 ) -> Question:
-    """Return the question for a function ``(x, y, sigma)``, by any names, that returns fitted parameters and their covariance.
+    """Return the question for a function ``(x, y, sigma)``, by any names, that returns fitted parameters and
+    their covariance.
 
-    A data set is ``model(x, *parameters)`` plus normal noise of standard deviations ``sigma``, with ``drawn`` parameters in the
-    order of the model. Exact are the weighted least-squares parameters p of these data, by an optimizer of scipy from several
-    starts, and the covariance (JᵀJ)⁻¹ of the weighted residuals' Jacobian J at p: as ``curve_fit`` defines it, times χ²/(n − p)
-    unless ``absolute_sigma``. ``agree`` are the tolerances of parameters and covariance: a ``limit`` relative to the standard
-    deviation σᵢ of each parameter, and to σᵢσⱼ.
+    A data set is ``model(x, *parameters)`` plus normal noise of standard deviations ``sigma``, with ``drawn``
+    parameters in the order of the model. Exact are the weighted least-squares parameters p of these data, by
+    an optimizer of scipy from several starts, and the covariance (JᵀJ)⁻¹ of the weighted residuals' Jacobian
+    J at p: as ``curve_fit`` defines it, times χ²/(n − p) unless ``absolute_sigma``. ``agree`` are the
+    tolerances of parameters and covariance: a ``limit`` relative to the standard deviation σᵢ of each
+    parameter, and to σᵢσⱼ.
     """
     given, deviations = np.asarray(x, float), np.broadcast_to(np.asarray(sigma, float), np.shape(x))
-    names, fitted = list(inspect.signature(solution).parameters), list(inspect.signature(model).parameters)[1:]
+    names, fitted = (
+        list(inspect.signature(solution).parameters),
+        list(inspect.signature(model).parameters)[1:],
+    )
     if len(names) != 3:
-        raise ValueError(f"{solution.__name__} takes ({', '.join(names)}): it must take the data x, y and sigma, by any names")
+        raise ValueError(
+            f"{solution.__name__} takes ({', '.join(names)}): it must take the data x, y and sigma, by any"
+            " names"
+        )
     if set(fitted) != set(drawn):
-        raise ValueError(f"drawn has {', '.join(drawn)}: it must have the parameters of the model, {', '.join(fitted)}")
+        raise ValueError(
+            f"drawn has {', '.join(drawn)}: it must have the parameters of the model, {', '.join(fitted)}"
+        )
 
     def parameters(rng: np.random.Generator) -> Array:
         return np.array([drawn[name](rng) for name in fitted], float)
@@ -74,7 +86,10 @@ def _fitted(residuals: Callable[[Array], Array], starts: list[Array]) -> tuple[A
 
     Of equally good ones, such as those with both signs of a width, the nearest to the starts is the best.
     """
-    found = [least_squares(residuals, p, "3-point", method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15) for p in starts]
+    found = [
+        least_squares(residuals, p, "3-point", method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+        for p in starts
+    ]
     least = min(float(result.cost) for result in found)
     equal = [result for result in found if result.cost <= least * (1 + 1e-9)]
     middle, spread = np.mean(starts, axis=0), np.std(starts, axis=0) + np.finfo(float).tiny

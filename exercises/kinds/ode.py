@@ -52,32 +52,49 @@ def ode(
     most_calls: Count = 20_000,
     label: str | None = None,
 ) -> Question:
-    """Return the question for a right-hand side: its values at points, and with ``t_end`` also its motion from t = 0 to ``t_end``.
+    """Return the question for a right-hand side: its values at points, and with ``t_end`` also its motion
+    from t = 0 to ``t_end``.
 
-    ``follow`` is the tolerance of the motion, a ``limit`` relative to each component's largest value. ``motion(t, y, parameters…)``
-    is the closed form for times t (n,) and the state y at t = 0; it returns (k, n), the first k components of the flat state. It
-    certifies the solution, so ``truth`` of the points may be left out. Without it the exact motion is that of ``truth``.
-    ``conserved`` maps names to an expression over state, time and parameters, and the ``limit`` of its relative drift. ``scale``
-    is the typical size of the state, or of each component. The integration stops after ``most_calls`` calls.
+    ``follow`` is the tolerance of the motion, a ``limit`` relative to each component's largest value.
+    ``motion(t, y, parameters…)`` is the closed form for times t (n,) and the state y at t = 0; it returns (k,
+    n), the first k components of the flat state. It certifies the solution, so ``truth`` of the points may be
+    left out. Without it the exact motion is that of ``truth``. ``conserved`` maps names to an expression over
+    state, time and parameters, and the ``limit`` of its relative drift. ``scale`` is the typical size of the
+    state, or of each component. The integration stops after ``most_calls`` calls.
 
-    Only public inputs have a motion: the points certify the function for all others. It also adds a chart of speed against
-    accuracy.
+    Only public inputs have a motion: the points certify the function for all others. It also adds a chart of
+    speed against accuracy.
     """
     kept = {name: [text, tolerance_data(tolerance)] for name, (text, tolerance) in (conserved or {}).items()}
-    data = {"time": time, "state": state, "t_end": t_end, "scale": scale, "most_calls": most_calls, "conserved": kept}
+    data = {
+        "time": time,
+        "state": state,
+        "t_end": t_end,
+        "scale": scale,
+        "most_calls": most_calls,
+        "conserved": kept,
+    }
 
     def exact(values: Mapping[str, Any]) -> Arrays:
         if motion:
             return {"motion": _closed_form(data, values, motion)}
         right = truth if callable(truth) else solution
-        return {"motion": converged(lambda at: call_with(right, at), values, [state], time, kit.times(data), scale=scale)}
+        return {
+            "motion": converged(
+                lambda at: call_with(right, at), values, [state], time, kit.times(data), scale=scale
+            )
+        }
 
     def errors() -> Iterator[str]:
         if state not in ask:
             yield f"ask has no {state}, the state: name it with state="
         if (t_end is None) != (follow is None) or (t_end is None and (motion or conserved)):
             yield "a motion needs t_end and follow, its tolerance"
-        known = {**ask, **{name: 0.0 for family in ask.values() if isinstance(family, Family) for name in family.given}, time: 0.0}
+        known = {
+            **ask,
+            **{name: 0.0 for family in ask.values() if isinstance(family, Family) for name in family.given},
+            time: 0.0,
+        }
         for name in inspect.signature(motion).parameters if motion else ():
             if name not in known:
                 yield f"the closed form takes {name}, which is neither asked nor drawn"
@@ -97,7 +114,9 @@ def ode(
     )
 
 
-def _closed_form(data: Mapping[str, Any], values: Mapping[str, Any], motion: Callable[..., Any]) -> NDArray[np.float64]:
+def _closed_form(
+    data: Mapping[str, Any], values: Mapping[str, Any], motion: Callable[..., Any]
+) -> NDArray[np.float64]:
     t, most = kit.times(data), np.size(values[data["state"]])
     found = np.atleast_2d(np.asarray(call_with(motion, {**values, data["time"]: t}), dtype=float))
     if found.ndim != 2 or found.shape[1] != len(t) or len(found) > most:
@@ -114,9 +133,11 @@ def converged(
     *,
     scale: Any = 1.0,
 ) -> NDArray[np.float64]:
-    """Return the flat state (d, n) at the times ``at`` (n,), integrated to rounding from that in ``values`` at the first time.
+    """Return the flat state (d, n) at the times ``at`` (n,), integrated to rounding from that in ``values``
+    at the first time.
 
-    ``rates(values)`` returns the derivatives of the arguments ``states`` in order; ``scale`` is the size of the state.
+    ``rates(values)`` returns the derivatives of the arguments ``states`` in order; ``scale`` is the size of
+    the state.
     """
 
     def rate(t: float, y: NDArray[np.float64]) -> Any:
@@ -126,14 +147,19 @@ def converged(
     start, atol = flat(states, values), 1e-16 * np.asarray(scale)
     run = solve_ivp()(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at, rtol=3e-14, atol=atol)
     if not run.success:
-        raise ArithmeticError(f"the exact motion stops at {time} = {run.t[-1] if len(run.t) else at[0]:.3g}: {run.message}")
+        raise ArithmeticError(
+            f"the exact motion stops at {time} = {run.t[-1] if len(run.t) else at[0]:.3g}: {run.message}"
+        )
     return np.asarray(run.y)
 
 
 def _sweep(exact: Callable[[Mapping[str, Any]], Arrays], questions: Sequence[Question]) -> Sweep:
     """Return the chart of speed against accuracy for the first motion of the first question."""
     question = questions[0]
-    data, name = question.data, f"motion of {question.function} to {question.data['time']} = {question.data['t_end']:g}"
+    data, name = (
+        question.data,
+        f"motion of {question.function} to {question.data['time']} = {question.data['t_end']:g}",
+    )
 
     def read(seen: Arrays, truth: Arrays) -> SweepResult:
         runs = {name: array[0] for name, array in seen.items()}

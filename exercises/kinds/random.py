@@ -8,17 +8,34 @@ import numpy as np
 import scipy.stats
 
 from ecp.outcome import Tolerance
-from exercises.declared import Ask, Close, Expression, Limit, Named, Positive, Rows, Rule, Value, tolerance_data
+from exercises.declared import (
+    Ask,
+    Close,
+    Expression,
+    Limit,
+    Named,
+    Positive,
+    Rows,
+    Rule,
+    Value,
+    tolerance_data,
+)
 from exercises.kinds import kind
 from exercises.question import Question
 
 RATE = 1e-6
 """The rate at which all tests of a question together reject a right solution, at most."""
-RESERVE = 10  # the tests are computed for a rate this much smaller: numbers are normally distributed only nearly
+RESERVE = (
+    10  # the tests are computed for a rate this much smaller: numbers are normally distributed only nearly
+)
 ROWS, BUDGET_S = (1, 2), 20.0
 
 Distribution = Annotated[
-    str, Rule("the name of a distribution of scipy.stats", lambda name: hasattr(getattr(scipy.stats, name, None), "cdf"))
+    str,
+    Rule(
+        "the name of a distribution of scipy.stats",
+        lambda name: hasattr(getattr(scipy.stats, name, None), "cdf"),
+    ),
 ]
 Several = Annotated[int, Rule("an integer ≥ 2", lambda n: n >= 2)]
 
@@ -58,11 +75,13 @@ def samples(
 ) -> Question:
     """Return the question for a function that returns independent samples, an array or a single number.
 
-    ``distribution`` is a name of scipy.stats, discrete or continuous, and ``parameters`` are its parameters: numbers, or functions
-    of the arguments ``ask``. ``rv_discrete`` takes ``values=``, numbers and their probabilities (2, k). An argument ``generator()``
-    or ``seed()`` is a new one for each call; without one the function uses a generator of its own. Each row of arguments is asked
-    ``repetitions`` times: about 1e5 samples detect a difference of the cumulative distributions of 1 %. ``call`` is an expression
-    to evaluate instead, such as ``"walk(100, rng)[-1]"``. ``label`` stands for the function's name in the labels of the checks.
+    ``distribution`` is a name of scipy.stats, discrete or continuous, and ``parameters`` are its parameters:
+    numbers, or functions of the arguments ``ask``. ``rv_discrete`` takes ``values=``, numbers and their
+    probabilities (2, k). An argument ``generator()`` or ``seed()`` is a new one for each call; without one
+    the function uses a generator of its own. Each row of arguments is asked ``repetitions`` times: about 1e5
+    samples detect a difference of the cumulative distributions of 1 %. ``call`` is an expression to evaluate
+    instead, such as ``"walk(100, rng)[-1]"``. ``label`` stands for the function's name in the labels of the
+    checks.
     """
     parameters = parameters or {"loc": 0.0}  # a standard distribution
     data = {"distribution": distribution, "shape_parameters": list(parameters), "repetitions": repetitions}
@@ -84,13 +103,15 @@ def estimate(
     label: str | None = None,
     rows: Rows = ROWS,
 ) -> Question:
-    """Return the question for a function that returns an estimate, nearly normally distributed, of a known standard deviation.
+    """Return the question for a function that returns an estimate, nearly normally distributed, of a known
+    standard deviation.
 
-    ``truth`` is the expected value of the estimate and ``sd`` its standard deviation, computed or measured: numbers, or functions
-    of the arguments ``ask``. The mean and the spread of the ``repetitions`` are tested against both. A systematic error up to
-    ``bias``, ``atol`` and ``rtol``, is allowed. With ``error`` the function returns an estimate and its error: the root mean square
-    of error/sd − 1 is at most the ``limit`` of that tolerance, for N samples in an estimate at least 5/√N. With ``mean_error``
-    the mean of all returned errors differs from sd by at most the fraction ``limit``: it can be much smaller. ``call`` and
+    ``truth`` is the expected value of the estimate and ``sd`` its standard deviation, computed or measured:
+    numbers, or functions of the arguments ``ask``. The mean and the spread of the ``repetitions`` are tested
+    against both. A systematic error up to ``bias``, ``atol`` and ``rtol``, is allowed. With ``error`` the
+    function returns an estimate and its error: the root mean square of error/sd − 1 is at most the ``limit``
+    of that tolerance, for N samples in an estimate at least 5/√N. With ``mean_error`` the mean of all
+    returned errors differs from sd by at most the fraction ``limit``: it can be much smaller. ``call`` and
     ``label`` are those of ``samples``.
     """
     given = {"error": error, "mean_error": mean_error, "bias": bias}
@@ -100,7 +121,13 @@ def estimate(
 
 
 def _question(
-    solution: Callable[..., Any], ask: Ask, label: str | None, *, rows: tuple[int, int], data: dict[str, Any], **given: Any
+    solution: Callable[..., Any],
+    ask: Ask,
+    label: str | None,
+    *,
+    rows: tuple[int, int],
+    data: dict[str, Any],
+    **given: Any,
 ) -> Question:
     seeds = {name: value for name, value in ask.items() if isinstance(value, Seed)}
     bias = data.get("bias", {})
@@ -114,4 +141,6 @@ def _question(
         "tolerance": {**bias, "reason": "; ".join(filter(None, (bias.get("reason"), rate)))},
     }
     values = {"value": value} | ({"error": value} if data.keys() & {"error", "mean_error"} else {})
-    return Question(kind="random", solution=solution, ask=ask, values=values, data={**common, **data}, **given)
+    return Question(
+        kind="random", solution=solution, ask=ask, values=values, data={**common, **data}, **given
+    )

@@ -6,7 +6,18 @@ from dataclasses import replace
 from typing import Any
 
 from ecp.kinds import asking
-from exercises.declared import Agree, Ask, Expression, Family, Limit, Points, Truth, UpTo, named_values, tolerance_data
+from exercises.declared import (
+    Agree,
+    Ask,
+    Expression,
+    Family,
+    Limit,
+    Points,
+    Truth,
+    UpTo,
+    named_values,
+    tolerance_data,
+)
 from exercises.kinds import kind
 from exercises.question import Question
 
@@ -28,10 +39,10 @@ def values(
 ) -> Question:
     """Return the question what ``solution`` returns for the arguments ``ask``.
 
-    ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order, of a dict with
-    ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` are those of ``Value``, for a single value. ``calls`` limits
-    the calls of the function arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its
-    parameters, such as ``"Pendulum(l, g).period()"``.
+    ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order,
+    of a dict with ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` are those of ``Value``, for
+    a single value. ``calls`` limits the calls of the function arguments. ``call`` is an expression to
+    evaluate instead of calling ``solution`` with its parameters, such as ``"Pendulum(l, g).period()"``.
     """
     has_function = any(isinstance(value, Family) for value in ask.values())
     return Question(
@@ -43,15 +54,18 @@ def values(
         call=call,
         keys=keys,
         data={"calls": tolerance_data(calls)} if calls else {},
-        errors=lambda: iter(["calls= needs a function argument: family(…)"] if calls and not has_function else []),
+        errors=lambda: iter(
+            ["calls= needs a function argument: family(…)"] if calls and not has_function else []
+        ),
     )
 
 
 def other_inputs(question: Question, call: str, label: str, **ask: Any) -> Question:
     """Return a ``question`` asked again with the arguments ``ask``, which need not be those of its function.
 
-    ``call`` is an expression of the function and these arguments, such as an array of constant size that contains its answer for a
-    drawn size. Exact is its value with the truth in place of the solution. ``label`` follows "NAME is right".
+    ``call`` is an expression of the function and these arguments, such as an array of constant size that
+    contains its answer for a drawn size. Exact is its value with the truth in place of the solution.
+    ``label`` follows "NAME is right".
     """
     name, truth = question.function, question.truth
 
@@ -62,5 +76,8 @@ def other_inputs(question: Question, call: str, label: str, **ask: Any) -> Quest
         [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in ask]
     )
     several, labelled = len(question.values) > 1, f"{name} is right {label}"
-    found = {n: replace(value, label=f"{labelled}: {n}" if several else labelled) for n, value in question.values.items()}
+    found = {
+        n: replace(value, label=f"{labelled}: {n}" if several else labelled)
+        for n, value in question.values.items()
+    }
     return replace(question, ask=ask, values=found, truth=exact, call=call)

@@ -29,7 +29,9 @@ class Claim:
 
 
 def claim(text: str, label: str, *, reason: str) -> Claim:
-    """Return a claim such as ``"growth_min < 0.05 < growth_mid"``, with its label in the report and its reason."""
+    """Return a claim such as ``"growth_min < 0.05 < growth_mid"``, with its label in the report and its
+    reason.
+    """
     return Claim(text, label, reason)
 
 
@@ -41,27 +43,35 @@ def variables(
     agree: Mapping[str, Tolerance | Value] | None = None,
     claims: Sequence[Claim] = (),
 ) -> Question:
-    """Return the question for the variables that a cell assigns: the body of ``solution`` without its return statement.
+    """Return the question for the variables that a cell assigns: the body of ``solution`` without its return
+    statement.
 
-    ``truth`` maps names to exact numbers and arrays, or to functions without parameters that compute them; ``agree`` maps the same
-    names to tolerances. A claim may use further variables. A student can type a number: where a function can be asked instead,
-    with other inputs, that check is stronger.
+    ``truth`` maps names to exact numbers and arrays, or to functions without parameters that compute them;
+    ``agree`` maps the same names to tolerances. A claim may use further variables. A student can type a
+    number: where a function can be asked instead, with other inputs, that check is stronger.
     """
     compared = dict(agree or {})
     names = tuple(dict.fromkeys([*compared, *(name for one in claims for name in one.names())]))
     if not names:
         raise ValueError("it asks for no variable: give agree or claims")
-    values = {n: v if isinstance(v, Value) else Value(v) for n, v in (dict.fromkeys(names, CLAIMED) | compared).items()}
+    values = {
+        n: v if isinstance(v, Value) else Value(v)
+        for n, v in (dict.fromkeys(names, CLAIMED) | compared).items()
+    }
     return Question(
         kind="variables",
         solution=solution,
         ask={},
-        values={name: replace(value, label=value.label or f"{name} is right") for name, value in values.items()},
+        values={
+            name: replace(value, label=value.label or f"{name} is right") for name, value in values.items()
+        },
         keys=True,
         known=dict(truth or {}),
         variables=names,
         data={
             "compared": list(compared),
-            "claims": [{"text": c.text, "label": c.label, "reason": c.reason, "names": c.names()} for c in claims],
+            "claims": [
+                {"text": c.text, "label": c.label, "reason": c.reason, "names": c.names()} for c in claims
+            ],
         },
     )

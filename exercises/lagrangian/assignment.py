@@ -1,6 +1,8 @@
-"""Lagrangian mechanics with sympy: equations of motion, conserved quantities, and the motion of a bead on a rotating hoop.
+"""Lagrangian mechanics with sympy: equations of motion, conserved quantities, and the motion of a bead on a
+rotating hoop.
 
-tests/exercises/test_lagrangian.py compares each truth with 30-digit derivatives, integrals and motions of mpmath.
+tests/exercises/test_lagrangian.py compares each truth with 30-digit derivatives, integrals and motions of
+mpmath.
 """
 
 import numpy as np
@@ -40,14 +42,18 @@ def equation(text, v, truth, label, *wrong, **drawn):
     return expression(equation_of_motion, ask, truth, agree=ROUNDING, label=label, mistakes=wrong)
 
 
-last = mistake("- sp.diff(L(q, v), q)", "+ sp.diff(L(q, v), q)", "sign-flipped", "∂L/∂q has the opposite sign")
+last = mistake(
+    "- sp.diff(L(q, v), q)", "+ sp.diff(L(q, v), q)", "sign-flipped", "∂L/∂q has the opposite sign"
+)
 mixed = mistake(" + sp.diff(momentum, q) * v", "", "missing-term", "∂L/∂v depends on time also through q")
 first = mistake("sp.diff(momentum, v) * a", "a", "missing-term", "∂²L/∂v² is missing before the acceleration")
 mass = "m * (1 + c * q**2) * v**2 / 2 - k * q**4 / 4 + b * q * v"
 drawn = {name: uniform(0.5, 2) for name in "mckb"}
 varying = equation(mass, 2, of_varying_mass, "a mass that depends on q", last, mixed, first, **drawn)
 text = "m * q**2 * v**4 / 4 + c * q * v**3 / 3 - k * q**2 / 2 + b * q**2 * v"
-unnamed = equation(text, 2, of_all_powers, "a Lagrangian that the text does not name", last, mixed, first, **drawn)
+unnamed = equation(
+    text, 2, of_all_powers, "a Lagrangian that the text does not name", last, mixed, first, **drawn
+)
 drawn = {name: uniform(0.5, 2) for name in "mk"}
 text = "-m * (1 - v**2) ** 0.5 - k * q**2 / 2"
 fast = equation(text, 0.8, relativistic, "a fast particle", last, first, **drawn)
@@ -72,19 +78,34 @@ positive |= {"g": symbol(5, 15, positive=True), "Omega": symbol(1, 6, positive=T
 ask = {"theta": symbol(-3, 3), "v": symbol(-3, 3), **positive}
 agree = {"L": ROUNDING, "acceleration": ROUNDING}
 wrong = [
-    mistake("m * g * R * sp.cos(theta)", "-m * g * R * sp.cos(theta)", "sign-flipped", "the weight points up"),
-    mistake(" + Omega**2 * sp.sin(theta) ** 2", "", "missing-term", "the velocity of the hoop is missing in the kinetic energy"),
-    mistake("Omega**2 * sp.sin(theta) ** 2", "Omega**2", "missing-term", "the distance from the axis is R sin θ"),
+    mistake(
+        "m * g * R * sp.cos(theta)", "-m * g * R * sp.cos(theta)", "sign-flipped", "the weight points up"
+    ),
+    mistake(
+        " + Omega**2 * sp.sin(theta) ** 2",
+        "",
+        "missing-term",
+        "the velocity of the hoop is missing in the kinetic energy",
+    ),
+    mistake(
+        "Omega**2 * sp.sin(theta) ** 2", "Omega**2", "missing-term", "the distance from the axis is R sin θ"
+    ),
     mistake("sp.diff(L, theta) /", "-sp.diff(L, theta) /", "sign-flipped", "∂L/∂θ has the opposite sign"),
 ]
-notebook.exercise("2", "A bead on a rotating hoop", expression(hoop, ask, in_the_rotating_frame, agree=agree, mistakes=wrong))
+notebook.exercise(
+    "2",
+    "A bead on a rotating hoop",
+    expression(hoop, ask, in_the_rotating_frame, agree=agree, mistakes=wrong),
+)
 
 
 # 3. Truth: Newton's equations with the tension of the rod.
 def cart(theta, w, M, m, l, g):
     v, X, A = sp.symbols("v X A")
     L = (M + m) * v**2 / 2 + m * l * v * w * sp.cos(theta) + m * l**2 * w**2 / 2 + m * g * l * sp.cos(theta)
-    rates = [sp.diff(p, v) * X + sp.diff(p, w) * A + sp.diff(p, theta) * w for p in (sp.diff(L, v), sp.diff(L, w))]
+    rates = [
+        sp.diff(p, v) * X + sp.diff(p, w) * A + sp.diff(p, theta) * w for p in (sp.diff(L, v), sp.diff(L, w))
+    ]
     found = sp.solve([rates[0], rates[1] - sp.diff(L, theta)], [X, A])
     return found[X], found[A]
 
@@ -99,13 +120,27 @@ masses = {"M": symbol(0.5, 3, positive=True), "m": symbol(0.5, 2, positive=True)
 masses |= {"l": symbol(0.5, 2, positive=True), "g": symbol(5, 15, positive=True)}
 angle = {"theta": symbol(-3, 3), "w": symbol(-3, 3)}
 wrong = [
-    mistake("v * w * sp.cos(theta)", "v * w", "missing-term", "the velocities of cart and pendulum are not parallel"),
+    mistake(
+        "v * w * sp.cos(theta)",
+        "v * w",
+        "missing-term",
+        "the velocities of cart and pendulum are not parallel",
+    ),
     mistake("(M + m) * v**2", "M * v**2", "missing-term", "the bob moves with the cart too"),
-    mistake("+ m * g * l * sp.cos(theta)", "- m * g * l * sp.cos(theta)", "sign-flipped", "the weight points up"),
-    mistake("found[X], found[A]", "found[A], found[X]", "component-order", "the acceleration of the angle comes first"),
+    mistake(
+        "+ m * g * l * sp.cos(theta)", "- m * g * l * sp.cos(theta)", "sign-flipped", "the weight points up"
+    ),
+    mistake(
+        "found[X], found[A]",
+        "found[A], found[X]",
+        "component-order",
+        "the acceleration of the angle comes first",
+    ),
 ]
 agree = {"X": ROUNDING, "A": ROUNDING}
-notebook.exercise("3", "A pendulum on a cart", expression(cart, angle | masses, by_newton, agree=agree, mistakes=wrong))
+notebook.exercise(
+    "3", "A pendulum on a cart", expression(cart, angle | masses, by_newton, agree=agree, mistakes=wrong)
+)
 
 
 # 4. Truths: the energy in the rotating frame; momentum and energy of the velocities in Cartesian coordinates.
@@ -121,7 +156,11 @@ def with_centrifugal_potential(theta, v, m, R, g, Omega):
 
 def cart_conserved(v, theta, w, M, m, l, g):
     p = (M + m) * v + m * l * w * sp.cos(theta)
-    E = M * v**2 / 2 + m * (v**2 + 2 * l * v * w * sp.cos(theta) + l**2 * w**2) / 2 - m * g * l * sp.cos(theta)
+    E = (
+        M * v**2 / 2
+        + m * (v**2 + 2 * l * v * w * sp.cos(theta) + l**2 * w**2) / 2
+        - m * g * l * sp.cos(theta)
+    )
     return p, E
 
 
@@ -132,16 +171,38 @@ def by_velocities(v, theta, w, M, m, l, g):
 
 wrong = [
     mistake("- L", "+ L", "sign-flipped", "L has the opposite sign"),
-    mistake("v * sp.diff(L, v) -", "2 * L.subs(g, 0) -", "wrong-quantity", "T + V changes: a motor keeps Ω constant"),
+    mistake(
+        "v * sp.diff(L, v) -",
+        "2 * L.subs(g, 0) -",
+        "wrong-quantity",
+        "T + V changes: a motor keeps Ω constant",
+    ),
 ]
 of_hoop = expression(hoop_conserved, ask, with_centrifugal_potential, agree=ROUNDING, mistakes=wrong)
 wrong = [
-    mistake("m) * v + m * l * w * sp.cos(theta)", "m) * v", "missing-term", "the bob also moves relative to the cart"),
-    mistake("2 * l * v * w", "l * v * w", "constant-factor", "the product of the two velocities is counted once, not twice"),
-    mistake("- m * g * l", "+ m * g * l", "sign-flipped", "T − V, which is L: V is lowest when the pendulum hangs, and E = T + V"),
+    mistake(
+        "m) * v + m * l * w * sp.cos(theta)",
+        "m) * v",
+        "missing-term",
+        "the bob also moves relative to the cart",
+    ),
+    mistake(
+        "2 * l * v * w",
+        "l * v * w",
+        "constant-factor",
+        "the product of the two velocities is counted once, not twice",
+    ),
+    mistake(
+        "- m * g * l",
+        "+ m * g * l",
+        "sign-flipped",
+        "T − V, which is L: V is lowest when the pendulum hangs, and E = T + V",
+    ),
 ]
 asked = {"v": symbol(-3, 3), **angle, **masses}
-of_cart = expression(cart_conserved, asked, by_velocities, agree={"p": ROUNDING, "E": ROUNDING}, mistakes=wrong)
+of_cart = expression(
+    cart_conserved, asked, by_velocities, agree={"p": ROUNDING, "E": ROUNDING}, mistakes=wrong
+)
 notebook.exercise("4", "Conserved quantities", of_hoop, of_cart)
 
 
@@ -171,7 +232,9 @@ turning = ode(
     truth=by_complex_step,
     t_end=5.0,
     follow=Tolerance(limit=1e-7, reason="a hundred times the error of the integration"),
-    conserved={"the integral h": (kept, Tolerance(limit=1e-8, reason="a hundred times the error of the integration"))},
+    conserved={
+        "the integral h": (kept, Tolerance(limit=1e-8, reason="a hundred times the error of the integration"))
+    },
     mistakes=wrong,
 )
 notebook.exercise("5", "A function for the solver", turning)
@@ -179,7 +242,9 @@ notebook.exercise("5", "A function for the solver", turning)
 
 # 6. Truth: the polynomial equations of s = sin θ, c = cos θ and w.
 def hoop_motion(t, y0, R, g, Omega):
-    run = solve_ivp(hoop_rates, (0, t[-1]), y0, t_eval=t, args=(R, g, Omega), method="DOP853", rtol=1e-10, atol=1e-10)
+    run = solve_ivp(
+        hoop_rates, (0, t[-1]), y0, t_eval=t, args=(R, g, Omega), method="DOP853", rtol=1e-10, atol=1e-10
+    )
     return run.y[0]
 
 
@@ -205,7 +270,9 @@ ask = {"t": np.linspace(0.1, 5, 9), "y0": uniform(-1.5, 1.5, 2), **slow}
 shared = {"truth": by_polynomials, "uses": [hoop_rates], "mistakes": wrong}
 back = values(hoop_motion, ask, agree, label="hoop_motion is right for a bead that swings", **shared)
 ask = ask | {"y0": lambda rng: [rng.uniform(-1.5, 1.5), rng.choice([-1, 1]) * rng.uniform(11, 14)]}
-over = values(hoop_motion, ask, agree, label="hoop_motion is right for a bead that goes over the top", **shared)
+over = values(
+    hoop_motion, ask, agree, label="hoop_motion is right for a bead that goes over the top", **shared
+)
 notebook.exercise("6", "The motion of the bead", back, over)
 
 
@@ -216,7 +283,16 @@ def rest_time(theta0, R, g, Omega):
 
     start = np.array([theta0, 0.0])
     at_rest.terminal, at_rest.direction = True, -np.sign(hoop_rates(0.0, start, R, g, Omega)[1])
-    run = solve_ivp(hoop_rates, (0, 10), start, events=at_rest, args=(R, g, Omega), method="DOP853", rtol=1e-10, atol=1e-10)
+    run = solve_ivp(
+        hoop_rates,
+        (0, 10),
+        start,
+        events=at_rest,
+        args=(R, g, Omega),
+        method="DOP853",
+        rtol=1e-10,
+        atol=1e-10,
+    )
     return run.t_events[0][0]
 
 
@@ -237,11 +313,20 @@ def either(low, high):
 
 wrong = [
     mistake("-np.sign(", "np.sign(", "returns-zero", "this is the rest at the start: the next one is asked"),
-    mistake("return run.t_events[0][0]", "return 2 * run.t_events[0][0]", "constant-factor", "this is the whole period"),
+    mistake(
+        "return run.t_events[0][0]",
+        "return 2 * run.t_events[0][0]",
+        "constant-factor",
+        "this is the whole period",
+    ),
     mistake(EXACTLY, "", "precision-loss", DEFAULT),
 ]
 fast = {"R": uniform(0.8, 1.2), "g": uniform(5, 12), "Omega": uniform(8, 11)}
-medium = {"R": uniform(0.9, 1.1), "g": uniform(9, 10.5), "Omega": uniform(4, 5)}  # both far from the limit between the cases
+medium = {
+    "R": uniform(0.9, 1.1),
+    "g": uniform(9, 10.5),
+    "Omega": uniform(4, 5),
+}  # both far from the limit between the cases
 agree = Tolerance(rtol=1e-6, reason=NUMERIC)
 each = {
     "slow": {"theta0": uniform(0.3, 2), **slow},

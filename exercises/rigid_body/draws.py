@@ -1,4 +1,6 @@
-"""The inputs drawn for each submission: boxes, tensors, motions by family, and motions (t, ω) for ``precession_rate``."""
+"""The inputs drawn for each submission: boxes, tensors, motions by family, and motions (t, ω) for
+``precession_rate``.
+"""
 
 import itertools
 from collections.abc import Callable
@@ -19,9 +21,18 @@ BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # inputs of box_moments and of princ
 APART = 0.05  # least relative distance of two moments that are not equal
 OFF_SEPARATRIX = 0.02  # least relative distance of |L|² from 2 T I₂ in the two polhode families
 
-TURN_SAMPLES, UNEVEN = 600, 0.5  # of a given precession; the longest of its uneven steps is four times the shortest
-SWAY, SWAYS = 0.006, 2.5  # relative variation of an uneven rate of turn, and its number of periods, a half-integer
-COARSE_SAMPLES, COARSE_STEP = 21, (0.46, 0.468)  # of a turn from sample to sample, less than half with a margin for fits
+TURN_SAMPLES, UNEVEN = (
+    600,
+    0.5,
+)  # of a given precession; the longest of its uneven steps is four times the shortest
+SWAY, SWAYS = (
+    0.006,
+    2.5,
+)  # relative variation of an uneven rate of turn, and its number of periods, a half-integer
+COARSE_SAMPLES, COARSE_STEP = (
+    21,
+    (0.46, 0.468),
+)  # of a turn from sample to sample, less than half with a margin for fits
 SHORT_SAMPLES, SHORT_TURNS = 100, (0.6, 0.9)
 
 
@@ -45,7 +56,10 @@ def tensors(rng: np.random.Generator) -> Inputs:
     or become complex.
     """
     boxes = np.array([_unequal_box(rng) for _ in range(UNEQUAL)])
-    given = [*np.asarray(tilted(boxes, rng)["tensors"]), *(np.diag(reference.box_moments(*box)) for box in boxes[:2])]
+    given = [
+        *np.asarray(tilted(boxes, rng)["tensors"]),
+        *(np.diag(reference.box_moments(*box)) for box in boxes[:2]),
+    ]
     given += [size * tensor for size, tensor in zip((1e2, 1e-2), given, strict=False)]
     return {"tensors": np.array(given)}
 
@@ -66,8 +80,13 @@ def _rotation(rng: np.random.Generator) -> Array:
 
 
 def body(rng: Rng, mass: float | None = None) -> Array:
-    """Return moments (3,) of a box in kg m², in any order, no two nearly equal. Its ``mass`` in kg is drawn too unless given."""
-    boxes = (reference.box_moments(mass or rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3).tolist()) for _ in itertools.count())
+    """Return moments (3,) of a box in kg m², in any order, no two nearly equal. Its ``mass`` in kg is drawn
+    too unless given.
+    """
+    boxes = (
+        reference.box_moments(mass or rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3).tolist())
+        for _ in itertools.count()
+    )
     return next(filter(are_apart, boxes))
 
 
@@ -92,7 +111,12 @@ def about_axis(side: int, rng: Rng) -> Inputs:
     moments = body(rng)
 
     def excess(w0: Array) -> float:
-        return float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
+        return (
+            float(
+                np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))
+            )
+            - 1
+        )
 
     spins = (_spin(rng) for _ in itertools.count())
     return _inputs(next(w0 for w0 in spins if side * excess(w0) > OFF_SEPARATRIX), moments, 20.0, 300)
@@ -101,7 +125,8 @@ def about_axis(side: int, rng: Rng) -> Inputs:
 def symmetric(rng: Rng) -> Inputs:
     """Draw a symmetric top: I₁ and I₂ are equal to the last bit. The axis of symmetry is always ê₃.
 
-    That component of ω̇ is zero, so with any other axis an error in one component would pass for some students only.
+    That component of ω̇ is zero, so with any other axis an error in one component would pass for some
+    students only.
     """
     equal = rng.uniform(0.5, 3.0)
     third = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
@@ -122,7 +147,9 @@ def tumble(rng: Rng) -> Inputs:
         w0 = np.asarray(spin * nudge * rng.choice([-1.0, 1.0], 3), float)
         w0[axis] = spin * rng.choice([-1.0, 1.0])
         path = reference.Exact(w0, moments).omega(np.linspace(0.0, t_end, 100))[axis]
-        if path.min() / spin < -0.9 and path.max() / spin > 0.9:  # with other signs it first comes nearer to the axis
+        if (
+            path.min() / spin < -0.9 and path.max() / spin > 0.9
+        ):  # with other signs it first comes nearer to the axis
             return _inputs(w0, moments, 0.0, 400) | {"t_end": float(t_end)}
 
 
@@ -148,37 +175,45 @@ DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
 
 
 def uneven(rng: Rng) -> tuple[Array, float]:
-    """Draw uneven times (n,), from 0 to 1, of even turning: the last steps are much longer than the first, or the first ones."""
+    """Draw uneven times (n,), from 0 to 1, of even turning: the last steps are much longer than the first, or
+    the first ones.
+    """
     samples = np.linspace(0.0, 1.0, TURN_SAMPLES)
     times = (1 - UNEVEN) * samples + UNEVEN * samples**3
     return times if rng.random() < 0.5 else 1 - times[::-1], 0.0
 
 
 def swaying(rng: Rng) -> tuple[Array, float]:
-    """Draw even times (n,), from 0 to 1, of turning at a varying rate; its mean, slope and median are the same."""
+    """Draw even times (n,), from 0 to 1, of turning at a varying rate; its mean, slope and median are the
+    same.
+    """
     return np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY
 
 
 def even(steps: int, step: tuple[float, float], late: int, samples: int, rng: Rng) -> Inputs:
-    """Draw ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at zero.
+    """Draw ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at
+    zero.
 
-    Each of the ``steps`` is a share of a turn within the limits ``step``. The angle passes ±π for the first time before the last
-    ``late`` turns.
+    Each of the ``steps`` is a share of a turn within the limits ``step``. The angle passes ±π for the first
+    time before the last ``late`` turns.
     """
     turns = steps * rng.uniform(*step)
     before = rng.uniform(0.1, 0.9) * (turns - late)
     part, transverse, w3 = np.linspace(0.0, 1.0, samples), rng.uniform(0.1, 0.8), rng.uniform(1.0, 4.0)
-    duration, angle = turns * rng.uniform(2.0, 6.0), rng.choice([-1.0, 1.0]) * np.pi * (1 - 2 * before + 2 * turns * part)
+    duration, angle = (
+        turns * rng.uniform(2.0, 6.0),
+        rng.choice([-1.0, 1.0]) * np.pi * (1 - 2 * before + 2 * turns * part),
+    )
     w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
     return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
 
 
 def turning(i3: tuple[float, float], times: Callable[[Rng], tuple[Array, float]], rng: Rng) -> Inputs:
-    """Draw ω (3, n) of a symmetric top with I₃ / I₁ within the limits ``i3``, over two to three turns, so that a phase that is not
-    unwrapped jumps, at times (n,) that do not start at zero.
+    """Draw ω (3, n) of a symmetric top with I₃ / I₁ within the limits ``i3``, over two to three turns, so
+    that a phase that is not unwrapped jumps, at times (n,) that do not start at zero.
 
-    ``times`` draws them from 0 to 1, and how much the rate of turn varies, in two and a half periods about the middle. It is odd
-    there, so every way of taking the mean (slope, total, median) gives the same number.
+    ``times`` draws them from 0 to 1, and how much the rate of turn varies, in two and a half periods about
+    the middle. It is odd there, so every way of taking the mean (slope, total, median) gives the same number.
     """
     ratio, w3 = rng.uniform(*i3), rng.uniform(1.0, 4.0)
     (part, sway), rate = times(rng), reference.free_precession_rate((1.0, 1.0, ratio), w3)

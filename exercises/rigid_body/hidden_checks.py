@@ -14,7 +14,9 @@ from ecp.judge import Judgement
 from exercises.rigid_body.public.common_checks import attitude, omega
 
 ROUNDING = "correct formulas differ only by rounding at these magnitudes"
-EVEN = "the notebook's own tolerance: every correct way to compute a mean rate from the phase agrees to rounding"
+EVEN = (
+    "the notebook's own tolerance: every correct way to compute a mean rate from the phase agrees to rounding"
+)
 
 
 def at_moment(index: tuple[int, ...], seen: Arrays) -> str:
@@ -24,7 +26,10 @@ def at_moment(index: tuple[int, ...], seen: Arrays) -> str:
 
 def at_box(index: tuple[int, ...], seen: Arrays) -> str:
     """Return the box (m, a, b, c) of an index into moments (n, 3), and the returned and expected values."""
-    return f"I{'₁₂₃'[index[1]]}, (m, a, b, c) = {_vector(seen['at'][index[0]])}: {_compared(seen, 'moments', index)}"
+    return (
+        f"I{'₁₂₃'[index[1]]}, (m, a, b, c) = {_vector(seen['at'][index[0]])}:"
+        f" {_compared(seen, 'moments', index)}"
+    )
 
 
 def at_point(index: tuple[int, ...], seen: Arrays) -> str:
@@ -70,7 +75,9 @@ def pointwise(id: str) -> Check:
 
 
 def spared(check: Check) -> Check:
-    """Return the check of a motion with random inputs, which judges a ``bound`` for the error of one that was not integrated."""
+    """Return the check of a motion with random inputs, which judges a ``bound`` for the error of one that was
+    not integrated.
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         if "bound" not in seen[0] or check.allow is None:
@@ -117,7 +124,10 @@ BOXES = (
         expected=lambda truth: truth["moments"],
         scale=lambda truth: np.maximum(truth["moments"].max(axis=1, keepdims=True), 1.0),
         limit=1e-9,
-        reason="of the largest moment, or of 1 kg m²: eigenvalues are exact to rounding, roots of a polynomial lose a few digits",
+        reason=(
+            "of the largest moment, or of 1 kg m²: eigenvalues are exact to rounding, roots of a polynomial"
+            " lose a few digits"
+        ),
         locate=at_moment,
     ),
     close(
@@ -148,20 +158,46 @@ HIDDEN: dict[str, tuple[Check, ...]] = {
     "1": BOXES,
     "2": (
         pointwise("2-pointwise"),
-        spared(omega("2-secret", "ω(t) of a new random body follows the exact motion for sixty radians", "drawn-long")),
+        spared(
+            omega(
+                "2-secret",
+                "ω(t) of a new random body follows the exact motion for sixty radians",
+                "drawn-long",
+            )
+        ),
     ),
     "3": (
         pointwise("3-pointwise"),
-        spared(omega("3-secret-greatest", "ω(t) of a new random body about its axis of the greatest moment", "drawn-greatest")),
-        spared(omega("3-secret-least", "ω(t) of a new random body about its axis of the least moment", "drawn-least")),
+        spared(
+            omega(
+                "3-secret-greatest",
+                "ω(t) of a new random body about its axis of the greatest moment",
+                "drawn-greatest",
+            )
+        ),
+        spared(
+            omega(
+                "3-secret-least",
+                "ω(t) of a new random body about its axis of the least moment",
+                "drawn-least",
+            )
+        ),
     ),
     "4": (
         pointwise("4-pointwise"),
-        spared(omega("4-secret", "ω(t) of a new random symmetric top follows the exact motion", "drawn-symmetric")),
+        spared(
+            omega(
+                "4-secret", "ω(t) of a new random symmetric top follows the exact motion", "drawn-symmetric"
+            )
+        ),
         spared(omega("4-sphere", "ω of a body with three equal moments stays constant", "drawn-sphere")),
         precession("4-function", "precession_rate finds Ω in a given motion", "rate"),
-        precession("4-retrograde", "precession_rate is negative if (ω₁, ω₂) turns backwards", "rate-retrograde"),
-        precession("4-coarse", "precession_rate finds Ω with samples up to 0.47 of a turn apart", "rate-coarse"),
+        precession(
+            "4-retrograde", "precession_rate is negative if (ω₁, ω₂) turns backwards", "rate-retrograde"
+        ),
+        precession(
+            "4-coarse", "precession_rate finds Ω with samples up to 0.47 of a turn apart", "rate-coarse"
+        ),
         precession("4-short", "precession_rate finds Ω in less than one turn", "rate-short"),
     ),
     "5": (
@@ -170,6 +206,8 @@ HIDDEN: dict[str, tuple[Check, ...]] = {
     ),
     "6": (
         pointwise("6-pointwise"),
-        spared(attitude("6-secret", "R(t) of a new random body follows the exact attitude", "drawn-attitude")),
+        spared(
+            attitude("6-secret", "R(t) of a new random body follows the exact attitude", "drawn-attitude")
+        ),
     ),
 }

@@ -25,22 +25,30 @@ class TooManyCalls(ArithmeticError):
 
 
 def certified(inputs: Inputs, seen: Arrays, truth: Arrays) -> bool:
-    """Return whether the rates are exact at every probe, the random ones and those along the exact motions."""
+    """Return whether the rates are exact at every probe, the random ones and those along the exact
+    motions.
+    """
     return bool(np.all(np.abs(seen["wdot"] - truth["wdot"]) <= EXACT * truth["scale"]))
 
 
 def bounded(inputs: Inputs, truth: Arrays, points: Inputs, answers: Arrays) -> Arrays | None:
-    """Return the exact motion and a ``bound`` for the motion's error, relative as the tolerance is, if it is within that.
+    """Return the exact motion and a ``bound`` for the motion's error, relative as the tolerance is, if it is
+    within that.
 
-    To first order the motion of rates that are off by at most δ at ``points`` along the exact motion is off by δ times the
-    ``duration`` of ``truth``, and its attitude by that times the time in addition.
+    To first order the motion of rates that are off by at most δ at ``points`` along the exact motion is off
+    by δ times the ``duration`` of ``truth``, and its attitude by that times the time in addition.
     """
     expected = probes.exact(points)
     if not certified(points, answers, expected):
         return None
-    off = float(np.linalg.norm(answers["wdot"] - expected["wdot"], axis=1).max() / np.linalg.norm(inputs["w0"]))
+    off = float(
+        np.linalg.norm(answers["wdot"] - expected["wdot"], axis=1).max() / np.linalg.norm(inputs["w0"])
+    )
     bound = off * truth["duration"] * max(1.0, truth["angle"] if inputs["orientation"] else 0.0)
-    seen = {name: truth[name] for name in ("w", "R") if name in truth} | {"bound": bound, "points": np.array(len(points["t"]))}
+    seen = {name: truth[name] for name in ("w", "R") if name in truth} | {
+        "bound": bound,
+        "points": np.array(len(points["t"])),
+    }
     return seen if bound <= (as_closely(truth).limit or 0.0) else None
 
 
@@ -68,7 +76,9 @@ def motion(inputs: Inputs, ask: Ask) -> Mapping[str, Array]:
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
-DRIVE = HostVerification("probes", certified, follows, motion, "rate", {"wdot": ArraySpec((3,))}, probes.along, bounded)
+DRIVE = HostVerification(
+    "probes", certified, follows, motion, "rate", {"wdot": ArraySpec((3,))}, probes.along, bounded
+)
 
 
 def _state(w: Array, R: Array | None) -> Array:

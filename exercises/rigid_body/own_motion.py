@@ -9,7 +9,8 @@ from ecp.checks import Arrays
 from exercises.assignment import Inputs
 from exercises.rigid_body.public.quantities import SYMMETRIC, Array
 
-CLOSE = 0.02  # largest difference of an element of R: below a drawing's tolerance, above any integrator's default tolerance
+# largest difference of an element of R: below a drawing's tolerance, above any integrator's default tolerance
+CLOSE = 0.02
 MOST_ANGLE = 1e4  # rad
 AS_FUNCTION = (
     "the motion behind the animation in your cell was not recognized; submit it as a function: "
@@ -27,7 +28,12 @@ def own_motion(inputs: Inputs, seen: Arrays) -> Inputs | str | None:
     R, t = np.asarray(seen["own_R"]), np.asarray(seen["own_t"])[:, 0]
     if len(R) == 1:
         return None
-    if not np.all(np.isfinite(R)) or not np.all(np.isfinite(t)) or len(t) != len(R) or not np.all(np.diff(t) > 0):
+    if (
+        not np.all(np.isfinite(R))
+        or not np.all(np.isfinite(t))
+        or len(t) != len(R)
+        or not np.all(np.diff(t) > 0)
+    ):
         return AS_FUNCTION
     if np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max() > CLOSE or np.linalg.det(R[0]) < 0:
         return AS_FUNCTION

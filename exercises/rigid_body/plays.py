@@ -37,7 +37,9 @@ def box(student, inputs):
     """Return ``box_moments`` of each row (m, a, b, c)."""
     function = student["box_moments"]
     check_signature(function, ("m", "a", "b", "c"), "box_moments")
-    rows = [real_array(function(*map(float, row)), (3,), "box_moments") for row in np.asarray(inputs["boxes"])]
+    rows = [
+        real_array(function(*map(float, row)), (3,), "box_moments") for row in np.asarray(inputs["boxes"])
+    ]
     return {"moments": np.array(rows)}
 
 
@@ -45,7 +47,10 @@ def tensors(student, inputs):
     """Return ``principal_moments`` of each tensor (3, 3), in the order the function returned them."""
     function = student["principal_moments"]
     check_signature(function, ("tensor",), "principal_moments")
-    rows = [real_array(function(np.array(tensor)), (3,), "principal_moments") for tensor in np.asarray(inputs["tensors"])]
+    rows = [
+        real_array(function(np.array(tensor)), (3,), "principal_moments")
+        for tensor in np.asarray(inputs["tensors"])
+    ]
     return {"moments": np.array(rows)}
 
 
@@ -60,11 +65,15 @@ def pointwise(student, inputs):
             answer = function(float(t), spin, moments)
         except (TypeError, IndexError, ValueError):
             if own := exchanged(function, CALLED):
-                raise WrongAnswer("swapped-arguments", f"euler_eqs is called as (t, w, I); yours takes {own}") from None
+                raise WrongAnswer(
+                    "swapped-arguments", f"euler_eqs is called as (t, w, I); yours takes {own}"
+                ) from None
             raise
         answers.append(_rate(answer).tobytes())
         if not (_equal(spin, w) and _equal(moments, I)):
-            raise WrongAnswer("mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array")
+            raise WrongAnswer(
+                "mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array"
+            )
         if before is not None and _rate(before).tobytes() != answers[-2]:
             raise WrongAnswer("mutates-input", OVERWRITES)
         before = answer
@@ -76,9 +85,11 @@ def _equal(a, b):
 
 
 def trajectory(student, inputs):
-    """Integrate the motion that ``euler_eqs`` drives: ω alone, or with the attitude if ``orientation`` is set.
+    """Integrate the motion that ``euler_eqs`` drives: ω alone, or with the attitude if ``orientation`` is
+    set.
 
-    If the function repeats one of the motions whose calls are ``recorded`` among the inputs, return its number instead.
+    If the function repeats one of the motions whose calls are ``recorded`` among the inputs, return its
+    number instead.
     """
     function = student["euler_eqs"]
     if "recorded" in inputs:
@@ -100,7 +111,8 @@ def trajectory(student, inputs):
 
 
 def _repeats(function, moments, offsets, packed, digests):
-    """Return whether ``function`` returns what was recorded, bit for bit, at a sample of the calls of a recorded integration.
+    """Return whether ``function`` returns what was recorded, bit for bit, at a sample of the calls of a
+    recorded integration.
 
     ``packed`` are its calls (n, 4) as bytes, ``digests`` those of what was returned at first, and in all.
     """
@@ -120,7 +132,9 @@ def sampled(rows, offsets):
 
 
 def _rate(answer):
-    """Return what ``euler_eqs`` returned as float64 of shape (3,): itself in the common case, as ``real_array`` takes longer."""
+    """Return what ``euler_eqs`` returned as float64 of shape (3,): itself in the common case, as
+    ``real_array`` takes longer.
+    """
     if type(answer) is np.ndarray and answer.dtype is FLOAT and answer.shape == SPIN:
         return answer
     return real_array(answer, SPIN, "euler_eqs")
@@ -128,12 +142,14 @@ def _rate(answer):
 
 def rate(student, inputs):
     """Return ``euler_eqs`` at one point."""
-    return {"wdot": real_array(student["euler_eqs"](inputs["t"], inputs["w"], inputs["I"]), (3,), "euler_eqs")}
+    return {
+        "wdot": real_array(student["euler_eqs"](inputs["t"], inputs["w"], inputs["I"]), (3,), "euler_eqs")
+    }
 
 
 def driven(function, inputs):
-    """Return start and right-hand side (``ecp.integration.Rates``) of the motion that ``function`` drives, and a list of the
-    number of its calls and the last ω.
+    """Return start and right-hand side (``ecp.integration.Rates``) of the motion that ``function`` drives,
+    and a list of the number of its calls and the last ω.
     """
     moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
@@ -145,11 +161,15 @@ def driven(function, inputs):
             calls[0] += 1
             calls[1] = w = spin.copy()
             if calls[0] > MOST_CALLS:
-                raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
+                raise WrongAnswer(
+                    None, f"the integration stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs"
+                )
             rate = _rate(function(t, w, moments.copy()))
             x, y, z = rate.tolist()
             if not (isfinite(x) and isfinite(y) and isfinite(z)):
-                raise WrongAnswer("not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite")
+                raise WrongAnswer(
+                    "not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite"
+                )
             out[0], out[1], out[2] = x, y, z
             if len(R):
                 w1, w2, w3 = spin.tolist()
@@ -172,7 +192,15 @@ def sweep(student, inputs):
         start, rates, made = driven(function, inputs)
         state, began = np.full((len(start), len(times)), np.nan), time.perf_counter()
         try:
-            run = solve_ivp()(returning(rates), (0.0, times[-1]), start, method=solver, t_eval=times, rtol=rtol, atol=1e-2 * rtol)
+            run = solve_ivp()(
+                returning(rates),
+                (0.0, times[-1]),
+                start,
+                method=solver,
+                t_eval=times,
+                rtol=rtol,
+                atol=1e-2 * rtol,
+            )
             state[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not
@@ -187,7 +215,13 @@ def sweep(student, inputs):
         function(0.0, w0, moments)
         timed.append(time.perf_counter() - began)
     R = np.swapaxes(y[:, 3:], 1, 2).reshape(len(y), len(times), 3, 3)
-    return {"w": y[:, :3], "R": R, "calls": np.array(calls, float), "seconds": np.array(seconds), "per_call": np.median(timed)}
+    return {
+        "w": y[:, :3],
+        "R": R,
+        "calls": np.array(calls, float),
+        "seconds": np.array(seconds),
+        "per_call": np.median(timed),
+    }
 
 
 def precession(student, inputs):
@@ -198,14 +232,20 @@ def precession(student, inputs):
 
 
 def animation(student, inputs):
-    """Record the animation of the function that ``inputs`` names. One that a cell showed comes with the numbers it may have been
-    drawn from.
+    """Record the animation of the function that ``inputs`` names. One that a cell showed comes with the
+    numbers it may have been drawn from.
     """
     name, arguments = inputs["function"], inputs["arguments"]
     function = student[name]
     check_signature(function, tuple(arguments), name)
     own = function.own if isinstance(function, FromCell) else NOT_OWN
-    return record(lambda: function(*(np.array(inputs[argument]) for argument in arguments)), float(inputs["seconds"])) | own
+    return (
+        record(
+            lambda: function(*(np.array(inputs[argument]) for argument in arguments)),
+            float(inputs["seconds"]),
+        )
+        | own
+    )
 
 
 class FromCell:
@@ -230,10 +270,16 @@ def adopt(student, source):
     if not ecp.animate.shown:
         return {}
     mentioned = set(re.findall(r"\w+", source))
-    for function in [student[name] for name in mentioned if isinstance(student.get(name), types.FunctionType)]:
+    for function in [
+        student[name] for name in mentioned if isinstance(student.get(name), types.FunctionType)
+    ]:
         mentioned |= _names(function.__code__)
     arrays = {name: _numbers(value) for name, value in student.items() if not name.startswith("_")}
-    named = [arrays[name] for name in sorted(arrays, key=lambda name: name not in mentioned) if arrays[name] is not None]
+    named = [
+        arrays[name]
+        for name in sorted(arrays, key=lambda name: name not in mentioned)
+        if arrays[name] is not None
+    ]
     used = [arrays[name] for name in arrays if name in mentioned and arrays[name] is not None]
     cones = [x for x in named if _is_cone(x)]
     if not cones:
@@ -241,12 +287,18 @@ def adopt(student, source):
     R = next((x for x in cones if _uses(used, x)), UNKNOWN)
     times = [x for x in named if x.shape == (len(R),) and np.all(np.diff(x) > 0)]
     moments = [x for x in named if x.shape == (3,) and np.all(x > 0)][:8]
-    own = {"own_R": R, "own_t": times[0][:, None] if times else np.zeros((1, 1)), "own_I": np.array(moments or np.zeros((1, 3)))}
+    own = {
+        "own_R": R,
+        "own_t": times[0][:, None] if times else np.zeros((1, 1)),
+        "own_I": np.array(moments or np.zeros((1, 3))),
+    }
     return {"animate_precession": FromCell(ecp.animate.shown[-1], own)}
 
 
 def _names(code):
-    return {*code.co_names, *code.co_freevars}.union(*(_names(part) for part in code.co_consts if isinstance(part, types.CodeType)))
+    return {*code.co_names, *code.co_freevars}.union(
+        *(_names(part) for part in code.co_consts if isinstance(part, types.CodeType))
+    )
 
 
 def _is_cone(R):

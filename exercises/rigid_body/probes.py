@@ -17,8 +17,15 @@ from exercises.rigid_body.draws import Rng, body, signs
 from exercises.rigid_body.public.quantities import Array
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
-PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random; repeated; at another time; along each motion
-ALONG = 128  # along a motion that is not integrated: they miss no stretch longer than 1/64 of it, about two integration steps
+PROBES, REPEATS, RETIMED, NODES = (
+    len(ORDERS) * len(OCTANTS),
+    8,
+    8,
+    10,
+)  # random; repeated; at another time; along each motion
+# along a motion that is not integrated: they miss no stretch longer than 1/64 of it, about two integration
+# steps
+ALONG = 128
 SPECIAL, MASS = 20, 6.0  # special points; of their bodies and of the random ones, in kg
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
 AT_REST = 1e-20  # rad/s², the scale at ω = 0, where a right rate is exactly zero
@@ -39,7 +46,9 @@ def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
     retimed = rows[again[REPEATS:]].copy()
     retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
     along = [_along(motion, rng) for motion in motions]
-    rows = rng.permutation(np.concatenate([rows, rows[again[:REPEATS]], retimed, _timed(_special(rng), rng), *along]))
+    rows = rng.permutation(
+        np.concatenate([rows, rows[again[:REPEATS]], retimed, _timed(_special(rng), rng), *along])
+    )
     return _columns(rows)
 
 
@@ -56,7 +65,9 @@ def scale(w: Array, I: Array) -> Array:
     """Return the largest product Iω² of each point over each moment (n, 3) in rad/s², a bound for rounding in
     every correct formula.
     """
-    return np.asarray(np.maximum(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I, AT_REST))
+    return np.asarray(
+        np.maximum(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I, AT_REST)
+    )
 
 
 def _random(rng: Rng, order: tuple[int, ...], octant: tuple[float, ...]) -> tuple[Array, Array]:
@@ -75,7 +86,12 @@ def _special(rng: Rng) -> list[tuple[Array, Array]]:
     found.append((np.zeros(3), body(rng, MASS)))
     for axis in axes:
         equal = rng.uniform(0.5, 3.0)
-        found.append((spin(), np.where(axis > 0, equal * rng.choice([rng.uniform(0.3, 0.8), rng.uniform(1.2, 1.9)]), equal)))
+        found.append(
+            (
+                spin(),
+                np.where(axis > 0, equal * rng.choice([rng.uniform(0.3, 0.8), rng.uniform(1.2, 1.9)]), equal),
+            )
+        )
     found.append((spin(), np.full(3, rng.uniform(0.5, 3.0))))
     for faster, heavier in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, -1), (-1, 1)):
         size, weight = 10.0 ** (np.array([faster, heavier]) * rng.uniform(*EXTREME, 2))
@@ -104,7 +120,9 @@ def _along(motion: Inputs, rng: Rng) -> Array:
 
 def _at(motion: Inputs, times: Array, rng: Rng) -> Array:
     w = _exact(tuple(motion["w0"]), tuple(motion["I"])).omega(times)
-    unrelated = rng.uniform(0.0, motion["t_end"], len(times))  # not the motion's own times, which would identify the points
+    unrelated = rng.uniform(
+        0.0, motion["t_end"], len(times)
+    )  # not the motion's own times, which would identify the points
     return np.column_stack([unrelated, w.T, np.tile(motion["I"], (len(times), 1))])
 
 

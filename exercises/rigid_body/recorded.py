@@ -1,8 +1,9 @@
-"""Motions that the common right ways to write Euler's equations give, with the calls that an integration of each makes.
+"""Motions that the common right ways to write Euler's equations give, with the calls that an integration of
+each makes.
 
-The next call of an integration depends only on what the calls before returned. So a function that returns the same numbers, bit for
-bit, at all recorded calls has the recorded motion, and need not be integrated. The function is called at one of every EVERY calls,
-drawn at random, so at several of each integration step.
+The next call of an integration depends only on what the calls before returned. So a function that returns the
+same numbers, bit for bit, at all recorded calls has the recorded motion, and need not be integrated. The
+function is called at one of every EVERY calls, drawn at random, so at several of each integration step.
 """
 
 import hashlib
@@ -25,12 +26,15 @@ def recorded(inputs: Inputs) -> Recorded:
 
 
 def _sample(recordings: Sequence[Recording], rng: Rng) -> Inputs:
-    """Draw which of EVERY calls to compare: ``offsets`` (k,); and ``digests`` of what each function returned at them, and at the
-    first ones.
+    """Draw which of EVERY calls to compare: ``offsets`` (k,); and ``digests`` of what each function returned
+    at them, and at the first ones.
     """
     offsets = rng.integers(0, EVERY, math.ceil(max(len(one.calls) for one in recordings) / EVERY)).tolist()
     returned: list[Array] = [sampled(one.returned, offsets) for one in recordings]  # type: ignore[no-untyped-call]
-    digests = [[hashlib.sha256(part.tobytes()).hexdigest() for part in (rates[:FIRST_CALLS], rates)] for rates in returned]
+    digests = [
+        [hashlib.sha256(part.tobytes()).hexdigest() for part in (rates[:FIRST_CALLS], rates)]
+        for rates in returned
+    ]
     return {"offsets": offsets, "digests": digests}
 
 
@@ -48,7 +52,9 @@ def _record(function: Function, inputs: Inputs) -> Recording:
 
 
 def _forms() -> Iterator[Function]:
-    """Yield functions that round differently, the commonest first: nine of ten right samples round like one of them."""
+    """Yield functions that round differently, the commonest first: nine of ten right samples round like one
+    of them.
+    """
     yield lambda t, w, I: np.cross(I * w, w) / I
     yield lambda t, w, I: np.array([d * a * b / i for d, a, b, i in _terms(w, I)])
     yield lambda t, w, I: np.array([d / i * a * b for d, a, b, i in _terms(w, I)])

@@ -1,4 +1,6 @@
-"""The scenes of notebook 2.6: each names a function and its inputs, the arrays it returns, and the exact answer."""
+"""The scenes of notebook 2.6: each names a function and its inputs, the arrays it returns, and the exact
+answer.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -12,7 +14,16 @@ from exercises.kinds.animation import RECORDING
 from exercises.rigid_body import draws, probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
-from exercises.rigid_body.public.quantities import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE, Array
+from exercises.rigid_body.public.quantities import (
+    BODY,
+    BOX,
+    NUDGE,
+    SPIN,
+    SPIN_TIME,
+    SYMMETRIC,
+    TORQUE_FREE,
+    Array,
+)
 from exercises.rigid_body.recorded import recorded
 
 BOOK = reference.box_moments(*BOX)
@@ -27,26 +38,45 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
     return tuple(float(x) for x in np.asarray(direction) * np.sqrt(energies[0] / energies[1]))
 
 
-def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
+def _trajectory(
+    name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False
+) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
     return replace(_motion(name, inputs, n, orientation), recorded=recorded(inputs))
 
 
 def _spin(name: str, axis: int) -> Scene:
-    """Return the scene of the book spun about one axis; the truth also holds the largest departure from that axis."""
+    """Return the scene of the book spun about one axis; the truth also holds the largest departure from that
+    axis.
+    """
     spin = _trajectory(name, spun(axis), BOOK, SPIN_TIME, 1500, orientation=True)
-    return replace(spin, truth=lambda inputs: {**_exact_motion(inputs), "growth": np.array(_largest_growth(axis))})
+    return replace(
+        spin, truth=lambda inputs: {**_exact_motion(inputs), "growth": np.array(_largest_growth(axis))}
+    )
 
 
-def _motion(name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs], n: int, orientation: bool) -> Scene:
+def _motion(
+    name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs], n: int, orientation: bool
+) -> Scene:
     returns = {"w": ArraySpec((3, n))} | ({"R": ArraySpec((n, 3, 3))} if orientation else {})
     return Scene(
-        name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=12.0, after="probes", known=("t",), drive=DRIVE
+        name,
+        "trajectory",
+        "euler_eqs",
+        inputs,
+        returns,
+        _exact_motion,
+        budget_s=12.0,
+        after="probes",
+        known=("t",),
+        drive=DRIVE,
     )
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
-    """Return times, ω and R, the sensitivity κ to errors, its counterpart in s, and the angle in rad turned at the initial rate."""
+    """Return times, ω and R, the sensitivity κ to errors, its counterpart in s, and the angle in rad turned
+    at the initial rate.
+    """
     w0, I, times = inputs["w0"], inputs["I"], np.linspace(0.0, inputs["t_end"], inputs["n"])
     exact = reference.motion(w0, I, times, need="orientation" if inputs["orientation"] else "omega")
     angle = float(np.linalg.norm(w0)) * inputs["t_end"]
@@ -79,7 +109,9 @@ def spun(axis: int) -> tuple[float, ...]:
 
 
 def _largest_growth(axis: int) -> float:
-    """Return the largest transverse |ω| over the spin about ``axis``, over all times and not only at samples."""
+    """Return the largest transverse |ω| over the spin about ``axis``,
+    over all times and not only at samples.
+    """
     from scipy.optimize import minimize_scalar
 
     exact, times = reference.Exact(spun(axis), BOOK), np.linspace(0.0, SPIN_TIME, 400)
@@ -88,7 +120,9 @@ def _largest_growth(axis: int) -> float:
         return reference.transverse_growth(exact.omega([t]), axis, SPIN)
 
     at, step = times[np.argmax([transverse(t) for t in times])], times[1]
-    most = minimize_scalar(lambda t: -transverse(t), bounds=(at - step, at + step), method="bounded", options={"xatol": 1e-9})
+    most = minimize_scalar(
+        lambda t: -transverse(t), bounds=(at - step, at + step), method="bounded", options={"xatol": 1e-9}
+    )
     return float(-most.fun)
 
 
@@ -108,7 +142,14 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
     assert exact.R is not None
     given_R = TILT @ exact.R
     given = {"L": TILT @ reference.angular_momentum(w0, I), "half": np.array(BOX[1:]) / 2}[last]
-    inputs = {"t": times, "R": given_R, last: given, "function": function, "arguments": ["t", "R", last], "seconds": 12.0}
+    inputs = {
+        "t": times,
+        "R": given_R,
+        last: given,
+        "function": function,
+        "arguments": ["t", "R", last],
+        "seconds": 12.0,
+    }
 
     def truth(inputs: Inputs) -> Mapping[str, Array]:
         return {name: np.asarray(inputs[name]) for name in ("t", "R", last)}
@@ -119,7 +160,9 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
 FILMED = (1.25, 1.25, 2.0)  # not the course's: |L| must differ from the rate at which ê₃ goes round L
 ANGLE = 5**0.5
 CROSS = np.cross(np.eye(3), np.array([-2.0, 1.0, 0.0]) / ANGLE)  # times v: axis × v
-TILT = np.eye(3) + np.sin(ANGLE) * CROSS + (1 - np.cos(ANGLE)) * CROSS @ CROSS  # scipy's Rotation takes 0.1 s to import
+TILT = (
+    np.eye(3) + np.sin(ANGLE) * CROSS + (1 - np.cos(ANGLE)) * CROSS @ CROSS
+)  # scipy's Rotation takes 0.1 s to import
 FILM = RECORDING | {
     "own_R": ArraySpec((4000, 3, 3), up_to=True),
     "own_t": ArraySpec((4000, 1), up_to=True),
@@ -149,9 +192,23 @@ SCENES = (
         1.0,
         known=("exact", "at"),
     ),
-    Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": ArraySpec((1, 3))}, _exact_tensors, 1.0),
     Scene(
-        "tensors", "tensors", "principal_moments", draws.tensors, {"moments": ArraySpec((draws.TENSORS, 3))}, _exact_tensors, 1.0
+        "tensor",
+        "tensors",
+        "principal_moments",
+        THE_TENSOR,
+        {"moments": ArraySpec((1, 3))},
+        _exact_tensors,
+        1.0,
+    ),
+    Scene(
+        "tensors",
+        "tensors",
+        "principal_moments",
+        draws.tensors,
+        {"moments": ArraySpec((draws.TENSORS, 3))},
+        _exact_tensors,
+        1.0,
     ),
     Scene(
         "probes",

@@ -1,4 +1,6 @@
-"""Speed against accuracy of the student's ``euler_eqs``: adaptive solvers over their tolerances, on exercise 2."""
+"""Speed against accuracy of the student's ``euler_eqs``: adaptive solvers over their tolerances, on exercise
+2.
+"""
 
 import reference
 from ecp.checks import Arrays
@@ -13,7 +15,13 @@ from reference.method import Scene as Charted
 
 CHARTED = Charted("exercise 2", TORQUE_FREE, BODY, 20.0)
 MOST_CALLS = 40_001  # of one run: plays.py stops it then
-INPUTS = {"w0": list(TORQUE_FREE), "I": list(BODY), "t": CHARTED.t.tolist(), "settings": SETTINGS, "orientation": True}
+INPUTS = {
+    "w0": list(TORQUE_FREE),
+    "I": list(BODY),
+    "t": CHARTED.t.tolist(),
+    "settings": SETTINGS,
+    "orientation": True,
+}
 N = len(CHARTED.t)
 RETURNS = {
     "w": ArraySpec((len(SETTINGS), 3, N)),
@@ -31,7 +39,9 @@ def _truth(inputs: Inputs) -> Arrays:
 
 
 def read(seen: Arrays, truth: Arrays) -> SweepResult:
-    """Return the larger error of ω and R of every run, and a summary line. Raises ValueError for impossible calls and seconds."""
+    """Return the larger error of ω and R of every run, and a summary line. Raises ValueError for impossible
+    calls and seconds.
+    """
     exact, worst = Sampled(truth["w"], truth["R"]), []
     for w, R in zip(seen["w"], seen["R"], strict=True):
         found = errors(CHARTED, Run(w, R, 0), exact)

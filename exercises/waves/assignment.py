@@ -1,7 +1,8 @@
-"""Waves: the dispersion of water waves by a root finder, and a string on a grid with its stability limit and its spectrum.
+"""Waves: the dispersion of water waves by a root finder, and a string on a grid with its stability limit and
+its spectrum.
 
-Each truth is another method than its solution; ``tests/exercises/test_waves.py`` compares the truths with a third source: 60-digit
-roots, powers of matrices, and d'Alembert's solution.
+Each truth is another method than its solution; ``tests/exercises/test_waves.py`` compares the truths with a
+third source: 60-digit roots, powers of matrices, and d'Alembert's solution.
 """
 
 from math import inf, pi, sin, sinh, sqrt, tanh
@@ -41,7 +42,12 @@ def by_iteration(w, d):
 
 
 wrong = [
-    mistake("abs(x - b) <= tol", "abs(x - b) <= 1e-3", "precision-loss", "the search stops at 1e-3 whatever tol is"),
+    mistake(
+        "abs(x - b) <= tol",
+        "abs(x - b) <= 1e-3",
+        "precision-loss",
+        "the search stops at 1e-3 whatever tol is",
+    ),
     mistake("        x = b - fb * (b - a) / (fb - fa)", "        x = (a + b) / 2\n        f((a + b) / 2)"),
     mistake("            fa /= 2\n", "            pass\n"),
     mistake("fx * fb < 0", "fx * fb > 0", "wrong-comparison", "the search keeps the end with the same sign"),
@@ -49,7 +55,9 @@ wrong = [
 f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=with_ends(0.1, 10, log=True))
 ask = {"f": f, "a": 0.0, "b": 20.0, "tol": 1e-10}
 twice = Tolerance(atol=2e-10, reason="tol, twice")
-budget = Tolerance(limit=30, reason="bisection needs 38, methods that converge faster than linearly at most 24")
+budget = Tolerance(
+    limit=30, reason="bisection needs 38, methods that converge faster than linearly at most 24"
+)
 waves = values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong)
 text = "c * arctan(s * (x - a - p * l) / l) if 0 <= x - a <= 1.000001 * l else np.nan"
 steep = family(text, "x", "a", "l", "p", s=uniform(20, 100), c=with_ends(1e-3, 1e3, log=True))
@@ -61,7 +69,9 @@ notebook.exercise("1", "A root finder", waves, steep)
 
 
 def wave_number(w, d):
-    return find_root(lambda k: 9.81 * k * np.tanh(k * d) - w**2, 0.0, w**2 / 9.81 + w / np.sqrt(9.81 * d), 1e-12)
+    return find_root(
+        lambda k: 9.81 * k * np.tanh(k * d) - w**2, 0.0, w**2 / 9.81 + w / np.sqrt(9.81 * d), 1e-12
+    )
 
 
 def group_velocity(k, d):
@@ -73,7 +83,10 @@ def by_phase_velocity(k, d):
     return sqrt(G * tanh(k * d) / k) / 2 * (1 + 2 * k * d / sinh(2 * k * d))
 
 
-TO_8, TO_6 = (Tolerance(rtol=2 * precision, atol=0, reason="twice the precision that is asked for") for precision in (1e-8, 1e-6))
+TO_8, TO_6 = (
+    Tolerance(rtol=2 * precision, atol=0, reason="twice the precision that is asked for")
+    for precision in (1e-8, 1e-6)
+)
 depth = with_ends(0.05, 32, log=True)
 ask = {"w": with_ends(0.5, 6), "d": depth}
 wrong = [
@@ -143,8 +156,15 @@ ring = "2 * u - before + r**2 * (np.roll(u, 1) - 2 * u + np.roll(u, -1))"
 wrong = [
     mistake("r**2", "r", "wrong-power", "r stands in place of r²"),
     mistake("- before[1:-1] ", "", "missing-term", "the displacement before u is missing"),
-    mistake("np.zeros(len(u))", "u + 0 * before\n    new[0] = new[-1] = u[1]", "wrong-constant", "the ends move"),
-    mistake("return new", f"return {ring}", "wrong-index", "the ends move: np.roll makes each the neighbour of the other"),
+    mistake(
+        "np.zeros(len(u))", "u + 0 * before\n    new[0] = new[-1] = u[1]", "wrong-constant", "the ends move"
+    ),
+    mistake(
+        "return new",
+        f"return {ring}",
+        "wrong-index",
+        "the ends move: np.roll makes each the neighbour of the other",
+    ),
 ]
 ask = {"u": string, "before": string, "r": courant}
 step = values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong)
@@ -166,12 +186,21 @@ def by_cosines(u, r, n):
 
 
 wrong = [
-    mistake("(string_step(u, u, r) - u) / 2", "(string_step(u, u, r) - u)", "constant-factor", "the first step is twice as large"),
+    mistake(
+        "(string_step(u, u, r) - u) / 2",
+        "(string_step(u, u, r) - u)",
+        "constant-factor",
+        "the first step is twice as large",
+    ),
     mistake("u + (string_step(u, u, r) - u) / 2", "u", "wrong-start", "the first two rows are equal"),
-    mistake("rows[-1], rows[-2]", "rows[-2], rows[-1]", "swapped-arguments", "the two last rows are exchanged"),
+    mistake(
+        "rows[-1], rows[-2]", "rows[-2], rows[-1]", "swapped-arguments", "the two last rows are exchanged"
+    ),
 ]
 ask = {"u": string, "r": uniform(0.3, 1), "n": 60}
-LONG = Tolerance(limit=1e-11, reason="a thousand times the rounding errors of 60 steps, ten times those of 200")
+LONG = Tolerance(
+    limit=1e-11, reason="a thousand times the rounding errors of 60 steps, ten times those of 200"
+)
 run = values(vibrate, ask, LONG, truth=by_cosines, uses=[string_step], mistakes=wrong)
 call = ragged("np.append(vibrate(np.pad(u[1:n], 1), r, 3), vibrate(np.pad(u[1:7], 1), min(r, 1), n - 1))")
 other = other_inputs(run, call, "for other sizes", **strings)
@@ -192,19 +221,31 @@ def stability_limit(step, N):
 
 
 def by_traces(N, p):
-    """Take 2 - r² z + g (r²/L² - 1) and -1 - g (r²/L² - 1), the trace and minus the determinant of a mode's step.
+    """Take 2 - r² z + g (r²/L² - 1) and -1 - g (r²/L² - 1), the trace and minus the determinant of a mode's
+    step.
 
     They make |λ| > 1 for r > L if g = 1, and where r² z > 4 + 2g (r²/L² - 1).
     """
     q, c, g, L = p
     z = 4 * sines(N) ** 2
-    return min([L if g else inf, *(sqrt((4 - 2 * g) / x) for x in c**2 * z * (1 - q * z) - 2 * g / L**2 if x > 0)])
+    return min(
+        [L if g else inf, *(sqrt((4 - 2 * g) / x) for x in c**2 * z * (1 - q * z) - 2 * g / L**2 if x > 0)]
+    )
 
 
 def scheme(rng):
-    """Return q, c, g, L of a step with a limit from 0.1 to 4. For q > 1/8 the zigzag is not the first to grow; g = 1: complex λ."""
+    """Return q, c, g, L of a step with a limit from 0.1 to 4. For q > 1/8 the zigzag is not the first to
+    grow; g = 1: complex λ.
+    """
     q = rng.choice([rng.uniform(-0.2, 0.1), rng.uniform(0.18, 0.24)])
-    return np.array([q, sqrt(2 / (1 - 2 * q)) / rng.uniform(0.25, 3.9), rng.integers(2), with_ends(0.11, 3.9, log=True)(rng)])
+    return np.array(
+        [
+            q,
+            sqrt(2 / (1 - 2 * q)) / rng.uniform(0.25, 3.9),
+            rng.integers(2),
+            with_ends(0.11, 3.9, log=True)(rng),
+        ]
+    )
 
 
 text = "2 * u - before + (r * p[1]) ** 2 * np.pad(np.diff(u + p[0] * np.pad(np.diff(u, 2), 1), 2), 1)"
@@ -217,7 +258,12 @@ wrong = [
     mistake("> 1 + 1e-7", "> 1.1", "wrong-constant", "a growth of a tenth in each step counts as stable"),
     mistake("1), r)", "1), r**2)", "wrong-power", "step is called with r² in place of r"),
     mistake("[1:-1], u]", "[1:-1], before]"),
-    mistake("    return stable", "    return 1.0", "wrong-constant", "this is the limit of string_step on a fine grid"),
+    mistake(
+        "    return stable",
+        "    return 1.0",
+        "wrong-constant",
+        "this is the limit of string_step on a fine grid",
+    ),
 ]
 near = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
 limit = values(stability_limit, ask, near, truth=by_traces, rows=(3, 8), mistakes=wrong)
@@ -266,17 +312,33 @@ amplitude = values(modes, {"u": string}, ROUNDING, truth=by_solving, mistakes=wr
 others = other_inputs(amplitude, ragged("modes(np.pad(u[1:n], 1))"), "for other sizes", **strings)
 wrong = [
     mistake("found[1:-1] *= 2", "found *= 2", "constant-factor", "the ends of the spectrum are doubled too"),
-    mistake("    found[1:-1] *= 2\n", "", "missing-term", "the amplitudes of the negative frequencies are missing"),
-    mistake("found[1:-1] *= 2", "found[1:] *= 2", "off-by-one", "the amplitude of the last frequency is doubled"),
-    mistake("    found[1:-1] *= 2\n", "    found[1:-1] *= 2\n    found = found**2\n", "wrong-power", "the amplitudes are squared"),
+    mistake(
+        "    found[1:-1] *= 2\n", "", "missing-term", "the amplitudes of the negative frequencies are missing"
+    ),
+    mistake(
+        "found[1:-1] *= 2", "found[1:] *= 2", "off-by-one", "the amplitude of the last frequency is doubled"
+    ),
+    mistake(
+        "    found[1:-1] *= 2\n",
+        "    found[1:-1] *= 2\n    found = found**2\n",
+        "wrong-power",
+        "the amplitudes are squared",
+    ),
     mistake("dt), found", "dt)[:-1], found[:-1]"),
-    mistake("np.fft.rfftfreq(len(x), dt)", "2 * np.pi * np.fft.rfftfreq(len(x), dt)", "units", "these are angular frequencies"),
+    mistake(
+        "np.fft.rfftfreq(len(x), dt)",
+        "2 * np.pi * np.fft.rfftfreq(len(x), dt)",
+        "units",
+        "these are angular frequencies",
+    ),
 ]
 fourier = {"frequencies": ROUNDING, "amplitudes": ROUNDING}
 ask = {"x": normal(48), "dt": uniform(0.001, 0.1)}
 whole = values(spectrum, ask, fourier, truth=by_sums, mistakes=wrong)
 call = "[np.concatenate(one) for one in zip(*[spectrum(x[: n // 2 * 2], dt) for n in (2, N, 203 - N)])]"
-samples = other_inputs(whole, call, "for other sizes", x=normal(200), dt=uniform(0.001, 0.1), N=integers(3, 200))
+samples = other_inputs(
+    whole, call, "for other sizes", x=normal(200), dt=uniform(0.001, 0.1), N=integers(3, 200)
+)
 wrong = [
     mistake("np.arcsin", "", "wrong-function", "arcsin is missing"),
     mistake("r * np.sin", "np.sin", "missing-term", "the time step is missing: the ratio is always 1"),

@@ -1,4 +1,6 @@
-"""A body's constants in double-double arithmetic: the formulas of ``reference.polhode``, for general motion only."""
+"""A body's constants in double-double arithmetic: the formulas of ``reference.polhode``, for general motion
+only.
+"""
 
 import math
 
@@ -55,7 +57,15 @@ def carlson_rf(x: float, y: float, z: float) -> float:
         dx, dy = 1 - x / mean, 1 - y / mean
         if max(abs(dx), abs(dy), abs(dx + dy)) < 3e-3:
             e2, e3 = dx * dy - (dx + dy) ** 2, -dx * dy * (dx + dy)
-            series = -e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44 - 5 * e2**3 / 208 + 3 * e3 * e3 / 104 + e2 * e2 * e3 / 16
+            series = (
+                -e2 / 10
+                + e3 / 14
+                + e2 * e2 / 24
+                - 3 * e2 * e3 / 44
+                - 5 * e2**3 / 208
+                + 3 * e3 * e3 / 104
+                + e2 * e2 * e3 / 16
+            )
             return (1 + series) / math.sqrt(mean)
         rx, ry, rz = math.sqrt(x), math.sqrt(y), math.sqrt(z)
         shift = rx * (ry + rz) + ry * rz
@@ -80,7 +90,9 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     if d1[0] == 0.0 or d3[0] == 0.0:
         return -1
     if abs(d2[0]) <= NEAR * (q3[0] * i32[0] + q1[0] * i21[0]):
-        return -1  # so near the separatrix, 32 digits do not give the period to the 25 digits that 10⁸ periods need
+        return (
+            -1
+        )  # so near the separatrix, 32 digits do not give the period to the 25 digits that 10⁸ periods need
     if d2[0] > 0:
         ia, ib, ic, da, dc, iab, icb, ma, mc, qa, sense = i1, i2, i3, d1, d3, i21, i32, m1, m3, q1, 1.0
         axes[0], axes[1], axes[2] = n1, n2, n3
@@ -91,7 +103,11 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     sign_c = 1.0 if mc[0] > 0 else -1.0
     sign_a = sign_c if (axes[1] - axes[0]) % 3 == 1 else -sign_c
     momentum = root(add(add(mul(m1, m1), mul(m2, m2)), mul(m3, m3)))
-    size_a, size_b, size_c = root(div(mul(ia, dc), i31)), root(div(mul(ib, dc), icb)), root(div(mul(ic, da), i31))
+    size_a, size_b, size_c = (
+        root(div(mul(ia, dc), i31)),
+        root(div(mul(ib, dc), icb)),
+        root(div(mul(ic, da), i31)),
+    )
     below = mul(icb, da)
     k2, kc2 = div(mul(iab, dc), below), div(mul(i31, d2), below)
     rate = root(div(below, mul(mul(ia, ib), ic)))

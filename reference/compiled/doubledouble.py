@@ -1,4 +1,6 @@
-"""Double-double arithmetic, 32 digits, on pairs (high, low) (Dekker 1971; Knuth, TAOCP 2, §4.2.2; Hida, Li & Bailey 2001)."""
+"""Double-double arithmetic, 32 digits, on pairs (high, low) (Dekker 1971; Knuth, TAOCP 2, §4.2.2; Hida, Li &
+Bailey 2001).
+"""
 
 import math
 from typing import TypeAlias

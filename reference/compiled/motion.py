@@ -17,7 +17,9 @@ INVERSE_PI = 1 / math.pi
 BLOCK = 64
 
 
-def compiled_motion(w0: ArrayLike, I: ArrayLike, t: ArrayLike, *, orientation: bool = True) -> tuple[Array, Array | None]:
+def compiled_motion(
+    w0: ArrayLike, I: ArrayLike, t: ArrayLike, *, orientation: bool = True
+) -> tuple[Array, Array | None]:
     """Return ω (3, n) in rad/s, body axes, and R (n, 3, 3) body → space, or None, at times ``t`` (n,) in s.
 
     Agrees with ``reference.Exact`` to rounding and raises the same ValueError for bad input.
@@ -36,7 +38,10 @@ def compiled_motion(w0: ArrayLike, I: ArrayLike, t: ArrayLike, *, orientation: b
 def _motion(spin: Array, moments: Array, t: Array, orientation: bool) -> tuple[bool, Array, Array]:
     found, axes = np.empty(18), np.empty(3, dtype=np.int64)
     model = constants(spin, moments, found, axes) if _bodily(spin, moments) else -1
-    w, R = np.empty((3, t.size if model >= 0 else 0)), np.empty((t.size if orientation and model >= 0 else 0, 3, 3))
+    w, R = (
+        np.empty((3, t.size if model >= 0 else 0)),
+        np.empty((t.size if orientation and model >= 0 else 0, 3, 3)),
+    )
     if model >= 0:
         _sample(model, to_fixed_tuple(found, 18), axes, t, w, R)  # type: ignore[call-arg]  # numba adds the context
     return model >= 0, w, R
@@ -47,7 +52,9 @@ def _bodily(spin: Array, moments: Array) -> bool:
     """Return whether the input is plainly valid. Other input goes to ``Exact``, which raises the error."""
     whole, largest = moments[0] + moments[1] + moments[2], max(moments[0], moments[1], moments[2])
     moved = abs(spin[0]) + abs(spin[1]) + abs(spin[2])
-    return min(moments[0], moments[1], moments[2]) > 0 and 2 * largest <= whole < math.inf and moved < math.inf
+    return (
+        min(moments[0], moments[1], moments[2]) > 0 and 2 * largest <= whole < math.inf and moved < math.inf
+    )
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -72,7 +79,9 @@ def _quaternion(
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _block(model: int, c: Table, k: Table, t: Array, orientation: bool, out: Array) -> None:
-    """Fill ``out``, row after row, with the momentum in the triad a, b, c and the quaternion at BLOCK times."""
+    """Fill ``out``, row after row, with the momentum in the triad a, b,
+    c and the quaternion at BLOCK times.
+    """
     for i in range(BLOCK):
         whole, rest = _turns(c[0], c[1], t[i], c[2], c[3])
         flip = 1.0 - 4.0 * (0.5 * whole - np.floor(0.5 * whole))
@@ -103,7 +112,11 @@ def _sample(model: int, c: Table, axes: NDArray[np.int64], t: Array, w: Array, R
         part[:n] = t[first : first + n]
         _block(model, c, table, part, orientation, out)
         for i in range(n):
-            w0[first + i], w1[first + i], w2[first + i] = k0 * out[i], k1 * out[BLOCK + i], k2 * out[2 * BLOCK + i]
+            w0[first + i], w1[first + i], w2[first + i] = (
+                k0 * out[i],
+                k1 * out[BLOCK + i],
+                k2 * out[2 * BLOCK + i],
+            )
         if orientation:
             _matrices(c, axes, start, out, R[first : first + n])
 

@@ -15,8 +15,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Table: TypeAlias = tuple[float, ...]
 # Taylor coefficients of cos πx and sin πx; the first one left out is below 5e-17 for |x| ≤ ¼.
-C2, C4, C6, C8, C10, C12, C14, C16 = ((-1) ** k * math.pi ** (2 * k) / math.factorial(2 * k) for k in range(1, 9))
-S1, S3, S5, S7, S9, S11, S13, S15 = ((-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(8))
+C2, C4, C6, C8, C10, C12, C14, C16 = (
+    (-1) ** k * math.pi ** (2 * k) / math.factorial(2 * k) for k in range(1, 9)
+)
+S1, S3, S5, S7, S9, S11, S13, S15 = (
+    (-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(8)
+)
 # The same of e^x; below 1e-17 for |x| ≤ ½ ln 2, whose leading 32 bits times a whole number are exact.
 E2, E3, E4, E5, E6, E7, E8, E9, E10, E11, E12, E13 = (1 / math.factorial(k) for k in range(2, 14))
 LN2, LN2_LOW, LOG2_E = 6.93147180369123816490e-01, 1.90821492927058770002e-10, 1.4426950408889634
@@ -26,7 +30,9 @@ FACTORS = tuple(2.0**-k for k in POWERS)
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def circle(half_turns: float) -> tuple[float, float]:
-    """Return cos πx and sin πx for |x| ≤ ½, by the series at x/2: three times as fast as two library calls."""
+    """Return cos πx and sin πx for |x| ≤ ½, by the series at x/2:
+    three times as fast as two library calls.
+    """
     h = 0.5 * half_turns
     x = h * h
     x2 = x * x
@@ -52,7 +58,9 @@ def decay(x: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def direct_table(c: Table) -> Table:
-    """Return q, q², …, the sizes over the series' values at their maxima, and the coefficients of re and im."""
+    """Return q, q², …, the sizes over the series' values at their maxima,
+    and the coefficients of re and im.
+    """
     ratio, offset = c[16], c[17]
     q = math.exp(-ratio)
     k = np.zeros(21)
@@ -126,4 +134,10 @@ def dual(k: Table, rest: float) -> tuple[float, float, float, float, float]:
         re += k[11 + j] * power * (1 + fade)
         im -= k[16 + j] * power * (1 - fade)
         power, fade = power * y, fade * x
-    return k[6] * (plain - waved) * e * scale, k[7] * side * b * scale, k[8] * (plain + waved) * e * scale, re, im * side
+    return (
+        k[6] * (plain - waved) * e * scale,
+        k[7] * side * b * scale,
+        k[8] * (plain + waved) * e * scale,
+        re,
+        im * side,
+    )

@@ -1,4 +1,6 @@
-"""SciPy's adaptive integrators on (ω, R), as the notebook uses them, and one on Euler angles, to show gimbal lock."""
+"""SciPy's adaptive integrators on (ω, R), as the notebook uses them, and one on Euler angles, to show gimbal
+lock.
+"""
 
 from functools import partial
 
@@ -44,7 +46,9 @@ def euler_angles(scene: Scene, rtol: float, tilt: float = TILT) -> Run:
 
 
 def _solve(solver: str, rates, start: Array, scene: Scene, rtol: float) -> tuple[Array, int]:  # type: ignore[no-untyped-def]
-    run = solve_ivp(rates, (0.0, scene.t_end), start, method=solver, t_eval=scene.t, rtol=rtol, atol=ATOL * rtol)  # type: ignore[call-overload]
+    run = solve_ivp(
+        rates, (0.0, scene.t_end), start, method=solver, t_eval=scene.t, rtol=rtol, atol=ATOL * rtol
+    )  # type: ignore[call-overload]
     y = np.full((start.size, scene.t.size), np.nan)
     y[:, : run.y.shape[1]] = run.y
     return y, int(run.nfev)
@@ -62,7 +66,10 @@ def _about_x(angle: Array) -> Array:
 
 # Radau needs three times the steps for each digit: below 1e-8 it would take minutes.
 ADAPTIVE = (
-    *(Method(solver, "adaptive", None, TOLERANCES, partial(_matrix, solver)) for solver in ("RK45", "DOP853", "LSODA")),
+    *(
+        Method(solver, "adaptive", None, TOLERANCES, partial(_matrix, solver))
+        for solver in ("RK45", "DOP853", "LSODA")
+    ),
     Method("Radau", "adaptive", None, (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), partial(_matrix, "Radau")),
     Method("Euler angles (DOP853)", "adaptive", None, TOLERANCES, euler_angles),
 )

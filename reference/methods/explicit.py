@@ -9,8 +9,12 @@ from scipy.integrate._ivp import dop853_coefficients as dop853
 from reference.method import Array, fixed
 
 EULER = (np.zeros((1, 1)), np.array([1.0]))
-RK4 = (np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]), np.array([1, 2, 2, 1]) / 6)  # Kutta, 1901
-# Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.5: the eighth-order formula of DOP853.
+RK4 = (
+    np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
+    np.array([1, 2, 2, 1]) / 6,
+)  # Kutta, 1901
+# Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.5: the eighth-order formula of
+# DOP853.
 RK8 = (np.ascontiguousarray(dop853.A[:12, :12]), np.ascontiguousarray(dop853.B))
 
 
@@ -55,7 +59,9 @@ def start(w0: Array) -> Array:
 
 
 @njit(cache=True)
-def _explicit(A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int, steps: int, w: Array, R: Array) -> int:
+def _explicit(
+    A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int, steps: int, w: Array, R: Array
+) -> int:
     stages = b.size
     y, k, point = start(w0), np.empty((stages, 12)), np.empty(12)
     keep(y, 0, w, R)

@@ -26,7 +26,9 @@ def tableau(stages: int) -> tuple[Array, Array]:
 
 
 @njit(cache=True)
-def _gauss(A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int, steps: int, w: Array, R: Array) -> int:
+def _gauss(
+    A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int, steps: int, w: Array, R: Array
+) -> int:
     stages = b.size
     y, k, fresh, point = start(w0), np.zeros((stages, 12)), np.empty((stages, 12)), np.empty(12)
     keep(y, 0, w, R)

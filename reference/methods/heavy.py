@@ -1,4 +1,6 @@
-"""Numerical methods for the heavy top: Runge-Kutta and splitting, compiled, and SciPy's solvers on (ω, R) and on Euler angles."""
+"""Numerical methods for the heavy top: Runge-Kutta and splitting, compiled, and SciPy's solvers on (ω, R) and
+on Euler angles.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -25,7 +27,17 @@ def _rates(y: Array, I: Array, mgl: float, out: Array) -> None:
 
 @njit(cache=True)
 def _explicit(
-    A: Array, b: Array, w0: Array, R0: Array, I: Array, mgl: float, h: float, intervals: int, steps: int, w: Array, R: Array
+    A: Array,
+    b: Array,
+    w0: Array,
+    R0: Array,
+    I: Array,
+    mgl: float,
+    h: float,
+    intervals: int,
+    steps: int,
+    w: Array,
+    R: Array,
 ) -> int:
     stages = b.size
     y, k, point = np.concatenate((w0, R0.ravel())), np.empty((stages, 12)), np.empty(12)
@@ -49,7 +61,16 @@ def _kick(m: Array, p: Array, impulse: float) -> None:
 
 @njit(cache=True)
 def _splitting(
-    gammas: Array, w0: Array, R0: Array, I: Array, mgl: float, h: float, intervals: int, steps: int, w: Array, R: Array
+    gammas: Array,
+    w0: Array,
+    R0: Array,
+    I: Array,
+    mgl: float,
+    h: float,
+    intervals: int,
+    steps: int,
+    w: Array,
+    R: Array,
 ) -> int:
     m, p = rotation.start(w0, I)
     p[0], p[1] = np.sqrt((1 + R0[2, 2]) / 2), np.sqrt((1 - R0[2, 2]) / 2)
@@ -72,14 +93,28 @@ def _fixed(name: str, line: str, order: int, kernel: Callable[..., int]) -> Meth
     def run(scene: Scene, setting: float) -> Run:
         steps, n = int(setting), scene.intervals
         w, R = np.empty((n + 1, 3)), np.empty((n + 1, 3, 3))
-        calls = kernel(np.array(scene.w0), scene.R0, np.array(scene.I), scene.mgl, scene.t_end / (n * steps), n, steps, w, R)
+        calls = kernel(
+            np.array(scene.w0),
+            scene.R0,
+            np.array(scene.I),
+            scene.mgl,
+            scene.t_end / (n * steps),
+            n,
+            steps,
+            w,
+            R,
+        )
         return Run(w.T, R, calls)
 
     return Method(name, line, order, STEPS, run)
 
 
-def _solve(solver: str, rhs: Callable[..., Array], start: Array, scene: Scene, rtol: float) -> tuple[Array, int]:
-    run = solve_ivp(rhs, (0.0, scene.t_end), start, method=solver, t_eval=scene.t, rtol=rtol, atol=ATOL * rtol)  # type: ignore[call-overload]
+def _solve(
+    solver: str, rhs: Callable[..., Array], start: Array, scene: Scene, rtol: float
+) -> tuple[Array, int]:
+    run = solve_ivp(
+        rhs, (0.0, scene.t_end), start, method=solver, t_eval=scene.t, rtol=rtol, atol=ATOL * rtol
+    )  # type: ignore[call-overload]
     y = np.full((start.size, scene.t.size), np.nan)
     y[:, : run.y.shape[1]] = run.y
     return y, int(run.nfev)
@@ -115,9 +150,16 @@ HEAVY = (
     _fixed("RK4", "explicit", 4, partial(_explicit, *RK4)),
     *(
         _fixed(name, "splitting", order, partial(_splitting, gammas))
-        for name, order, gammas in (("Strang splitting", 2, STRANG), ("splitting 4", 4, SUZUKI4), ("splitting 6", 6, KAHAN_LI_6))
+        for name, order, gammas in (
+            ("Strang splitting", 2, STRANG),
+            ("splitting 4", 4, SUZUKI4),
+            ("splitting 6", 6, KAHAN_LI_6),
+        )
     ),
-    *(Method(solver, "adaptive", None, TOLERANCES, partial(_matrix, solver)) for solver in ("RK45", "DOP853", "LSODA")),
+    *(
+        Method(solver, "adaptive", None, TOLERANCES, partial(_matrix, solver))
+        for solver in ("RK45", "DOP853", "LSODA")
+    ),
     Method("Euler angles (DOP853)", "adaptive", None, TOLERANCES, euler_angles),
     Method("exact", "closed form", None, (0.0,), _exact),
 )

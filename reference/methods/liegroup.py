@@ -1,4 +1,6 @@
-"""Runge-Kutta-Munthe-Kaas of order 4: the classical tableau for the rotation vector, so |L| and RᵀR are exact by construction."""
+"""Runge-Kutta-Munthe-Kaas of order 4: the classical tableau for the rotation vector, so |L| and RᵀR are exact
+by construction.
+"""
 
 import numpy as np
 from numba import njit

@@ -1,7 +1,8 @@
 """Discrete Moser-Veselov, preprocessed to order 2, 4 and 6: an integrable map on modified moments.
 
-1/Ĩᵢ = (1 + s)/Iᵢ + d, with s and d polynomials in h²|L|²/2 and h²T (Hairer & Vilmart, J. Phys. A 39, 2006, whose coefficients
-these are). The map itself is Moser & Veselov's (Comm. Math. Phys. 139, 1991), in quaternions.
+1/Ĩᵢ = (1 + s)/Iᵢ + d, with s and d polynomials in h²|L|²/2 and h²T (Hairer & Vilmart, J. Phys. A 39, 2006,
+whose coefficients these are). The map itself is Moser & Veselov's (Comm. Math. Phys. 139, 1991), in
+quaternions.
 """
 
 from functools import partial
@@ -28,7 +29,10 @@ def _modified(order: int, I: Array, c: float, e: float) -> Array:
     if order >= 6:
         s += (total2 / product - inverse) / (30 * product) * c * c + (1 - ratios) / (30 * product) * c * e
         s += (3 * total / product + 2 * inverse2) / 60 * e * e
-        d += -total / (60 * product**2) * c * c + (inverse / (10 * product) - total2 / (60 * product**2)) * c * e
+        d += (
+            -total / (60 * product**2) * c * c
+            + (inverse / (10 * product) - total2 / (60 * product**2)) * c * e
+        )
         d -= (9 + ratios) / (60 * product) * e * e
     return (1 + s) / I + d
 
@@ -69,4 +73,6 @@ def _map(order: int, w0: Array, I: Array, h: float, intervals: int, steps: int, 
     return calls
 
 
-MOSER_VESELOV = tuple(fixed(f"Moser-Veselov {order}", "Moser-Veselov", order, partial(_map, order)) for order in (2, 4, 6))
+MOSER_VESELOV = tuple(
+    fixed(f"Moser-Veselov {order}", "Moser-Veselov", order, partial(_map, order)) for order in (2, 4, 6)
+)

@@ -1,4 +1,6 @@
-"""A state of body momentum (3,) and attitude as a quaternion (4,), for methods that turn instead of adding."""
+"""A state of body momentum (3,) and attitude as a quaternion (4,),
+for methods that turn instead of adding.
+"""
 
 import math
 

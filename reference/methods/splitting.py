@@ -1,6 +1,8 @@
-"""Splitting into rotations about the three principal axes, each solved exactly, composed to order 2, 4, 6 and 8.
+"""Splitting into rotations about the three principal axes, each solved exactly, composed to order 2, 4, 6 and
+8.
 
-T = Σ Lᵢ²/2Iᵢ is a sum of three parts, and under one of them the body turns about ê ᵢ at Lᵢ/Iᵢ (McLachlan, 1993; Reich, 1994).
+T = Σ Lᵢ²/2Iᵢ is a sum of three parts, and under one of them the body turns about ê ᵢ at Lᵢ/Iᵢ (McLachlan,
+1993; Reich, 1994).
 """
 
 from functools import partial
@@ -15,7 +17,13 @@ _FIFTH = 1 / (4 - 4 ** (1 / 3))
 STRANG = np.array([1.0])
 SUZUKI4 = np.array([_FIFTH, _FIFTH, 1 - 4 * _FIFTH, _FIFTH, _FIFTH])  # Suzuki, 1990
 # Kahan & Li, Math. Comp. 66 (1997): s9odr6a and s17odr8a, first half and middle.
-_SIX = [0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023, 0.79854399093482996340]
+_SIX = [
+    0.39216144400731413928,
+    0.33259913678935943860,
+    -0.70624617255763935981,
+    0.08221359629355080023,
+    0.79854399093482996340,
+]
 _EIGHT = [
     0.13020248308889008088,
     0.56116298177510838456,
@@ -31,7 +39,9 @@ KAHAN_LI_6, KAHAN_LI_8 = (np.array([*half, *half[-2::-1]]) for half in (_SIX, _E
 
 
 @njit(cache=True)
-def _splitting(gammas: Array, w0: Array, I: Array, h: float, intervals: int, steps: int, w: Array, R: Array) -> int:
+def _splitting(
+    gammas: Array, w0: Array, I: Array, h: float, intervals: int, steps: int, w: Array, R: Array
+) -> int:
     m, p = start(w0, I)
     keep(m, p, I, 0, w, R)
     for at in range(1, intervals + 1):

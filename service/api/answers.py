@@ -11,12 +11,16 @@ from pydantic import BaseModel, Field, GetPydanticSchema, PlainSerializer, WithJ
 from ecp.report import Report
 from service.store.course import regrade_requests
 
-Moment = Annotated[datetime, PlainSerializer(datetime.isoformat), WithJsonSchema({"type": "string", "format": "date-time"})]
+Moment = Annotated[
+    datetime, PlainSerializer(datetime.isoformat), WithJsonSchema({"type": "string", "format": "date-time"})
+]
 Status = Literal["queued", "running", "graded", "faulted"]
 
 
 def model_of(kind: Any) -> Any:
-    """Return the type of what ``ecp.document`` writes for values of the type ``kind``; of a dataclass, a model."""
+    """Return the type of what ``ecp.document`` writes for values of the type ``kind``; of a dataclass, a
+    model.
+    """
     if is_dataclass(kind):
         assert isinstance(kind, type)
         hints, members = get_type_hints(kind), dict[str, Any]()
@@ -36,7 +40,9 @@ def model_of(kind: Any) -> Any:
 
 _REPORT = model_of(Report).__pydantic_core_schema__
 # ``ecp.document`` has written it, so it is described but not validated again.
-ReportDocument = Annotated[dict[str, Any], GetPydanticSchema(get_pydantic_json_schema=lambda _, handler: handler(_REPORT))]
+ReportDocument = Annotated[
+    dict[str, Any], GetPydanticSchema(get_pydantic_json_schema=lambda _, handler: handler(_REPORT))
+]
 
 
 class Named(BaseModel):
@@ -89,7 +95,9 @@ class Override(BaseModel):
 
 
 class RegradeRequest(BaseModel):
-    """A student's request for a regrade; ``answer``, ``answered_by`` and ``answered_at`` are null while it is open."""
+    """A student's request for a regrade; ``answer``, ``answered_by`` and ``answered_at`` are null while it is
+    open.
+    """
 
     id: UUID
     submission: UUID
@@ -111,7 +119,9 @@ class ListedRegradeRequest(RegradeRequest):
 
 
 class Comment(BaseModel):
-    """A comment of the staff on line ``line`` of code cell ``cell``, both counted from 1. A Python file is one cell."""
+    """A comment of the staff on line ``line`` of code cell ``cell``, both counted from 1. A Python file is
+    one cell.
+    """
 
     id: UUID
     cell: int
@@ -137,7 +147,9 @@ class Submission(BaseModel):
     points: int | float = 0
     penalty: int | float = Field(0, description="Points lost for being late.")
     final: int | float = Field(0, description="Points after the penalty.")
-    scores_released: bool = Field(True, description="False if the report is withheld until the scores are released.")
+    scores_released: bool = Field(
+        True, description="False if the report is withheld until the scores are released."
+    )
     overrides: list[Override] = []
     regrade_requests: list[RegradeRequest] = []
     comments: list[Comment] = []
@@ -174,11 +186,12 @@ class Past(BaseModel):
 
 
 class History(BaseModel):
-    """A person's submissions to an assignment, newest first, the ids of the best and the last, and the person's own rules.
+    """A person's submissions to an assignment, newest first, the ids of the best and the last, and the
+    person's own rules.
 
-    ``due_at`` is the deadline with an extension, if it is ``extended``; with ``grace_s`` seconds more it is ``over``.
-    ``used`` counts the submissions towards ``submission_limit``. ``max_points`` are those of the assignment without optional
-    functions, which are worth ``bonus_points``.
+    ``due_at`` is the deadline with an extension, if it is ``extended``; with ``grace_s`` seconds more it is
+    ``over``. ``used`` counts the submissions towards ``submission_limit``. ``max_points`` are those of the
+    assignment without optional functions, which are worth ``bonus_points``.
     """
 
     assignment: str

@@ -19,9 +19,20 @@ from service.store.course.people import ROSTER
 from service.store.database import Database, Row
 
 AUDIT = ("at", "who", "action", "subject", "detail")
-OVERRIDES = ("student", "submission_id", "check_id", "points", "reason", "given_by", "given_at", "withdrawn_by", "withdrawn_at")
+OVERRIDES = (
+    "student",
+    "submission_id",
+    "check_id",
+    "points",
+    "reason",
+    "given_by",
+    "given_at",
+    "withdrawn_by",
+    "withdrawn_at",
+)
 INDEX = (
-    "student", "submission", "submitted_at", "late", "status", "attempt", "points", "score", "counted", "overridden", "fault",
+    "student", "submission", "submitted_at", "late", "status", "attempt", "points", "score", "counted",
+    "overridden", "fault",
     "sha256", "folder", "penalty",
 )  # fmt: skip
 RESERVED_NAMES = ("report.json", "report.txt")
@@ -70,9 +81,17 @@ class Folders:
     def add(self, archive: ZipStream, batch: Sequence[Row]) -> None:
         """Add a batch of submissions to the archive."""
         for row in batch:
-            person = self._folders.get(row.person) or self._folders.setdefault(row.person, self._names.give(row.person, "person"))
-            folder = f"{self._top}/submissions/{person}/{row.submitted_at.astimezone(UTC):%Y%m%dT%H%M%SZ}-{row.id}"
-            archive.add(f"{folder}/{UniqueNames(RESERVED_NAMES).give(row.filename, 'submission.py')}", row.source, row.submitted_at)
+            person = self._folders.get(row.person) or self._folders.setdefault(
+                row.person, self._names.give(row.person, "person")
+            )
+            folder = (
+                f"{self._top}/submissions/{person}/{row.submitted_at.astimezone(UTC):%Y%m%dT%H%M%SZ}-{row.id}"
+            )
+            archive.add(
+                f"{folder}/{UniqueNames(RESERVED_NAMES).give(row.filename, 'submission.py')}",
+                row.source,
+                row.submitted_at,
+            )
             for name, content in _reports(row).items():
                 archive.add(f"{folder}/{name}", content, row.submitted_at)
             self.index.append(_line(row, folder))
@@ -90,11 +109,23 @@ def _reports(row: Row) -> dict[str, str]:
 
 def _line(row: Row, folder: str) -> list[Value]:
     result = [row.number, row.points, row.score, row.max_score, row.overridden, row.fault]
-    return [row.person, str(row.id), moment(row.submitted_at), row.late, row.status, *result, row.sha256, folder, row.penalty]
+    return [
+        row.person,
+        str(row.id),
+        moment(row.submitted_at),
+        row.late,
+        row.status,
+        *result,
+        row.sha256,
+        folder,
+        row.penalty,
+    ]
 
 
 def _lines(columns: Sequence[str], rows: Sequence[Row]) -> str:
-    return BYTE_ORDER_MARK + table(columns, [[_value(getattr(row, name)) for name in columns] for row in rows])
+    return BYTE_ORDER_MARK + table(
+        columns, [[_value(getattr(row, name)) for name in columns] for row in rows]
+    )
 
 
 def _value(value: object) -> Value:

@@ -19,7 +19,11 @@ router = APIRouter(tags=["Submissions"])
 LONGEST_S = 3600.0
 
 
-@router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse, responses=problems(PERSON | {404: "not-found"}))
+@router.get(
+    "/v1/submissions/{id}/events",
+    response_class=EventSourceResponse,
+    responses=problems(PERSON | {404: "not-found"}),
+)
 async def events(
     stored: Submission,
     database: Db,
@@ -27,10 +31,12 @@ async def events(
     renderer: Held[Renderer],
     last_event_id: Annotated[str | None, Header(description="The last event that was received.")] = None,
 ) -> AsyncIterator[ServerSentEvent]:
-    """Send ``queued`` with its position, ``running`` with scene k of n, then ``graded`` or ``faulted``, and close the stream.
+    """Send ``queued`` with its position, ``running`` with scene k of n, then ``graded`` or ``faulted``, and
+    close the stream.
 
-    No event is sent during a database outage. A client reopens a stream that ends early, at any server of the installation. An
-    event's id encodes its content, so a client that sends ``Last-Event-ID`` does not receive the same event twice.
+    No event is sent during a database outage. A client reopens a stream that ends early, at any server of the
+    installation. An event's id encodes its content, so a client that sends ``Last-Event-ID`` does not receive
+    the same event twice.
     """
     sent = last_event_id
     renderer.prepare(stored.assignment)  # who waits for a report will look at its figures
@@ -43,7 +49,9 @@ async def events(
             continue
         id = " ".join(str(value) for value in progress.values())
         if id != sent:
-            yield ServerSentEvent(event=progress["status"], id=id, data=progress | {"grading": progress["attempt"]})
+            yield ServerSentEvent(
+                event=progress["status"], id=id, data=progress | {"grading": progress["attempt"]}
+            )
             sent = id
         if progress["status"] in ("graded", "faulted"):
             return

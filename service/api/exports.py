@@ -49,39 +49,54 @@ async def assignment_csv(person: Staff, assignment: Assigned, database: Db) -> R
 async def assignment_json(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Export an assignment as JSON."""
     rows = await grades(database, assignment.slug)
-    return _file(f"{assignment.slug}-grades.json", "application/json", await asyncio.to_thread(_json, assignment, rows))
+    return _file(
+        f"{assignment.slug}-grades.json", "application/json", await asyncio.to_thread(_json, assignment, rows)
+    )
 
 
 @router.get("/assignments/{slug}/grades/{form}.csv")
 async def gradebook_csv(
-    person: Staff, assignment: Assigned, form: Literal["nbgrader", "canvas", "moodle", "gradescope"], database: Db
+    person: Staff,
+    assignment: Assigned,
+    form: Literal["nbgrader", "canvas", "moodle", "gradescope"],
+    database: Db,
 ) -> Response:
     """Export an assignment as CSV for another gradebook."""
     rows = await grades(database, assignment.slug)
-    return _file(f"{assignment.slug}-{form}.csv", CSV, await asyncio.to_thread(GRADEBOOKS[form], rows, assignment))
+    return _file(
+        f"{assignment.slug}-{form}.csv", CSV, await asyncio.to_thread(GRADEBOOKS[form], rows, assignment)
+    )
 
 
 @router.get("/assignments/{slug}/all.zip")
 async def all_zip(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Stream a zip of every submission with its report, the grades, the roster and the audit log."""
     rows, people = await grades(database, assignment.slug), await roster(database)
-    own_csv, own_json = await asyncio.gather(*(asyncio.to_thread(form, assignment, rows) for form in (_csv, _json)))
+    own_csv, own_json = await asyncio.gather(
+        *(asyncio.to_thread(form, assignment, rows) for form in (_csv, _json))
+    )
     files = {"grades.csv": own_csv, "grades.json": own_json}
     parts = course_archive(database, assignment.slug, files, people)
-    return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-all.zip"))
+    return StreamingResponse(
+        parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-all.zip")
+    )
 
 
 @router.get("/assignments/{slug}/submissions.zip")
 async def submissions_zip(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Stream a zip of every submission's file and report, and their index."""
     parts = course_archive(database, assignment.slug, {}, await roster(database), everything=False)
-    return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-submissions.zip"))
+    return StreamingResponse(
+        parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-submissions.zip")
+    )
 
 
 def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     """Return the CSV with checks in the assignment's order, followed by checks of older versions only."""
     current = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
-    return grade_files.assignment_csv(rows, [*current, *sorted({check for row in rows for check in row.checks} - current.keys())])
+    return grade_files.assignment_csv(
+        rows, [*current, *sorted({check for row in rows for check in row.checks} - current.keys())]
+    )
 
 
 def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
@@ -99,7 +114,9 @@ def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     ]
     about = {"assignment": assignment.slug, "title": assignment.title, "version": assignment.version}
     about |= {"exported_at": datetime.now(UTC).isoformat(timespec="seconds")}
-    return grade_files.assignment_json({**about, "max_points": assignment.max_points(), "checks": checks}, rows)
+    return grade_files.assignment_json(
+        {**about, "max_points": assignment.max_points(), "checks": checks}, rows
+    )
 
 
 def _file(name: str, kind: str, content: str) -> Response:

@@ -79,7 +79,9 @@ async def list_requests(stored: Submission, database: Db) -> list[answers.Regrad
     status_code=201,
     responses=problems(SENT | {409: ("changed-meanwhile", "not-ready")}),
 )
-async def create_request(person: Submitter, stored: Submission, body: NewRequest, database: Db) -> answers.RegradeRequest:
+async def create_request(
+    person: Submitter, stored: Submission, body: NewRequest, database: Db
+) -> answers.RegradeRequest:
     """Request a regrade of one's own submission."""
     return _request(await request_regrade(database, person, stored, body.reason))
 
@@ -88,14 +90,18 @@ async def create_request(person: Submitter, stored: Submission, body: NewRequest
     "/v1/assignments/{slug}/regrade-requests",
     responses=problems(STORED | {503: ("assignment-broken", "busy")}),
 )
-async def list_of_assignment(person: ReadingStaff, assignment: Assigned, database: Db) -> list[answers.ListedRegradeRequest]:
+async def list_of_assignment(
+    person: ReadingStaff, assignment: Assigned, database: Db
+) -> list[answers.ListedRegradeRequest]:
     """Return the latest 500 regrade requests about an assignment to the course staff, open ones first."""
     rows = await regrade_requests.of_assignment(database, assignment.slug)
     return [answers.ListedRegradeRequest(**row._asdict()) for row in rows]
 
 
 @router.post("/v1/regrade-requests/{request}/answer", responses=problems(SENT | {409: "changed-meanwhile"}))
-async def create_answer(person: WritingStaff, request: str, body: NewAnswer, database: Db) -> answers.RegradeRequest:
+async def create_answer(
+    person: WritingStaff, request: str, body: NewAnswer, database: Db
+) -> answers.RegradeRequest:
     """Accept or decline an open regrade request. This does not change points: override them, or regrade."""
     return _request(await answer_request(database, person, request, body.status, body.answer))
 
@@ -107,22 +113,36 @@ async def list_comments(stored: Submission, database: Db) -> list[answers.Commen
 
 
 @router.post("/v1/submissions/{id}/comments", status_code=201, responses=problems(SENT))
-async def create_comment(person: WritingStaff, stored: Submission, body: NewComment, database: Db) -> answers.Comment:
+async def create_comment(
+    person: WritingStaff, stored: Submission, body: NewComment, database: Db
+) -> answers.Comment:
     """Write a comment on a line of a submission. The student can read it."""
     return _comment(await write_comment(database, person, stored, body.cell, body.line, body.comment))
 
 
-@router.delete("/v1/submissions/{id}/comments/{comment}", status_code=204, responses=problems(STORED | {413: "too-large"}))
+@router.delete(
+    "/v1/submissions/{id}/comments/{comment}",
+    status_code=204,
+    responses=problems(STORED | {413: "too-large"}),
+)
 async def remove_comment(person: WritingStaff, stored: Submission, comment: str, database: Db) -> Response:
     """Delete a comment; the audit log keeps its text."""
     await delete_comment(database, person, stored, comment)
     return Response(status_code=204)
 
 
-async def request_regrade(database: Db, person: Person, stored: SubmissionRecord, reason: str) -> RegradeRequest:
-    """Store a request. Raises Problem 403 unless ``person`` submitted, and 409 without a report or with an open request."""
+async def request_regrade(
+    database: Db, person: Person, stored: SubmissionRecord, reason: str
+) -> RegradeRequest:
+    """Store a request. Raises Problem 403 unless ``person`` submitted, and 409 without a report or with an
+    open request.
+    """
     if stored.person != person.name:
-        raise Problem(403, "not-allowed", "you don't have permission: only the student who submitted can request a regrade")
+        raise Problem(
+            403,
+            "not-allowed",
+            "you don't have permission: only the student who submitted can request a regrade",
+        )
     try:
         return await regrade_requests.request(database, stored.id, person.name, reason)
     except RequestRejected as error:
@@ -132,7 +152,9 @@ async def request_regrade(database: Db, person: Person, stored: SubmissionRecord
 async def answer_request(
     database: Db, person: Person, request: str, status: regrade_requests.Answer, answer: str
 ) -> RegradeRequest:
-    """Answer a request. Raises Problem 404 if there is none with that id, and 409 if it is answered already."""
+    """Answer a request. Raises Problem 404 if there is none with that id,
+    and 409 if it is answered already.
+    """
     try:
         found = await regrade_requests.answer(database, identifier(request), person.name, status, answer)
     except RequestRejected as error:
@@ -142,14 +164,26 @@ async def answer_request(
     return found
 
 
-async def write_comment(database: Db, person: Person, stored: SubmissionRecord, cell: int, line: int, comment: str) -> Comment:
+async def write_comment(
+    database: Db, person: Person, stored: SubmissionRecord, cell: int, line: int, comment: str
+) -> Comment:
     """Store a comment. Raises Problem 422 if the submission has no such line."""
     cells = stored.submission.cells()
     if not 1 <= cell <= len(cells):
-        raise Problem(422, "invalid-request", f"the submission has no code cell {cell}: its last one is {len(cells)}", "/cell")
+        raise Problem(
+            422,
+            "invalid-request",
+            f"the submission has no code cell {cell}: its last one is {len(cells)}",
+            "/cell",
+        )
     lines = len(BREAK.sub("\n", cells[cell - 1].source).removesuffix("\n").split("\n"))
     if not 1 <= line <= lines:
-        raise Problem(422, "invalid-request", f"{cells[cell - 1].name} has no line {line}: its last one is {lines}", "/line")
+        raise Problem(
+            422,
+            "invalid-request",
+            f"{cells[cell - 1].name} has no line {line}: its last one is {lines}",
+            "/line",
+        )
     return await comments.write(database, stored.id, person.name, cell=cell, line=line, comment=comment)
 
 

@@ -31,8 +31,14 @@ class Renderer:
         self._prepared: dict[str, asyncio.Task[None]] = {}
 
     def prepare(self, slug: str) -> None:
-        """Start loading what the figures of an assignment need, if it has figures, once per server process."""
-        if slug not in self._prepared and slug in assignments() and any(e.figures for e in assignments()[slug].exercises):
+        """Start loading what the figures of an assignment need, if it has figures,
+        once per server process.
+        """
+        if (
+            slug not in self._prepared
+            and slug in assignments()
+            and any(e.figures for e in assignments()[slug].exercises)
+        ):
             self._prepared[slug] = asyncio.ensure_future(self._prepare(slug))
 
     async def _prepare(self, slug: str) -> None:
@@ -45,12 +51,16 @@ class Renderer:
         Raises ArithmeticError or ValueError if its numbers cannot be drawn.
         """
         key = stored.grading, name, form
-        return await self._shared(key, rendering.draw_stored, stored.assignment, name, packed, stored.seed, form)
+        return await self._shared(
+            key, rendering.draw_stored, stored.assignment, name, packed, stored.seed, form
+        )
 
     async def chart(self, kind: str, number: int) -> bytes:
         """Return a chart of the reference methods as SVG, rendered once per server process."""
         if (kind, number) not in self._charts:
-            self._charts[kind, number] = await self._shared((kind, number), rendering.draw_chart, kind, number)
+            self._charts[kind, number] = await self._shared(
+                (kind, number), rendering.draw_chart, kind, number
+            )
         return self._charts[kind, number]
 
     async def class_sweep(self, documents: Sequence[dict[str, Any]]) -> bytes:

@@ -31,7 +31,12 @@ PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: ("assignment-
     responses=media(*FORMATS.values()) | NOT_MODIFIED | problems(PICTURE),
 )
 async def figure(
-    stored: Submission, name: str, form: Literal["png", "svg"], request: Request, database: Db, renderer: Held[Renderer]
+    stored: Submission,
+    name: str,
+    form: Literal["png", "svg"],
+    request: Request,
+    database: Db,
+    renderer: Held[Renderer],
 ) -> Response:
     """Return a figure of the report; render it on the first request and store it."""
     names = {f.name for f in stored.report.figures} if stored.report else set()
@@ -52,7 +57,8 @@ async def cached_artefact(
     media_type: str,
     make: Callable[[list[bytes]], Awaitable[bytes]],
 ) -> Response:
-    """Return the stored artefact ``name``; the first request makes it from the grading's packed arrays and stores it.
+    """Return the stored artefact ``name``; the first request makes it from the grading's packed arrays and
+    stores it.
 
     Raises Problem 404 if the arrays are gone or cannot be drawn, and 503 if rendering fails.
     """
@@ -60,12 +66,16 @@ async def cached_artefact(
         packed = await find_arrays(database, stored.grading)
         if not packed:
             raise Problem(
-                404, "not-found", "the arrays of this submission are no longer stored: ask the course staff for a regrade"
+                404,
+                "not-found",
+                "the arrays of this submission are no longer stored: ask the course staff for a regrade",
             )
         try:
             content = await make(packed)
         except (ArithmeticError, ValueError) as error:
-            raise Problem(404, "not-found", f"the figure cannot be drawn from these numbers: {error}") from error
+            raise Problem(
+                404, "not-found", f"the figure cannot be drawn from these numbers: {error}"
+            ) from error
         except RenderFailed as error:
             raise Problem(503, "busy", "rendering the figure failed: reload the page to try again") from error
         await store_artefacts(database, stored.grading, {name: content})
@@ -92,9 +102,15 @@ async def speed_against_accuracy(
         if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
         if failure := await find_artefact(database, stored.grading, sweeps.REFUSED):
-            raise Problem(404, "not-found", f"the speed vs accuracy measurement failed: {failure[0].decode()}")
+            raise Problem(
+                404, "not-found", f"the speed vs accuracy measurement failed: {failure[0].decode()}"
+            )
         if fault := await sweeps.request(database, stored.grading):
-            raise Problem(409, "not-ready", f"polhode failed to measure speed vs accuracy: {fault}; ask the course staff")
+            raise Problem(
+                409,
+                "not-ready",
+                f"polhode failed to measure speed vs accuracy: {fault}; ask the course staff",
+            )
     raise Problem(503, "busy", "the speed vs accuracy measurement is still running: try again later")
 
 

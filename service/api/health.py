@@ -17,7 +17,8 @@ router = APIRouter(tags=["Health and metrics"])
 CACHED_S = 1.0
 
 _WORKERS = """
-SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s'
+SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s'
+  AND now() + interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
 

@@ -21,7 +21,8 @@ router = APIRouter(tags=["Submissions"])
 
 
 @router.get(
-    "/v1/assignments/{slug}/submissions", responses=problems(PERSON | {404: "not-found", 503: ("assignment-broken", "busy")})
+    "/v1/assignments/{slug}/submissions",
+    responses=problems(PERSON | {404: "not-found", 503: ("assignment-broken", "busy")}),
 )
 async def list_own(assignment: Assigned, person: Reader, database: Db) -> answers.History:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
@@ -50,17 +51,28 @@ def _released(person: Person, one: PastSubmission) -> PastSubmission:
 
 def _answers(found: Sequence[PastSubmission]) -> list[answers.Past]:
     return [
-        answers.Past(**asdict(one), final=one.final, changed=None if earlier is None else _changed(earlier, one))
+        answers.Past(
+            **asdict(one), final=one.final, changed=None if earlier is None else _changed(earlier, one)
+        )
         for one, earlier in zip_longest(found, found[1:])
     ]
 
 
 def _changed(earlier: PastSubmission, later: PastSubmission) -> answers.Changed:
     common = sorted(earlier.verdicts.keys() & later.verdicts.keys())
-    changed = {id: [earlier.verdicts[id], later.verdicts[id]] for id in common if earlier.verdicts[id] != later.verdicts[id]}
+    changed = {
+        id: [earlier.verdicts[id], later.verdicts[id]]
+        for id in common
+        if earlier.verdicts[id] != later.verdicts[id]
+    }
     kinds = Counter(" → ".join(MARKS[Verdict(verdict)] for verdict in pair) for pair in changed.values())
-    added = Counter(f"new {MARKS[Verdict(later.verdicts[id])]}" for id in sorted(later.verdicts.keys() - earlier.verdicts.keys()))
-    counts = [f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in [*kinds.items(), *added.items()]]
+    added = Counter(
+        f"new {MARKS[Verdict(later.verdicts[id])]}"
+        for id in sorted(later.verdicts.keys() - earlier.verdicts.keys())
+    )
+    counts = [
+        f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in [*kinds.items(), *added.items()]
+    ]
     summary = "; ".join([_difference(earlier, later), *counts])
     return answers.Changed(checks=changed, summary=summary, told=summary)
 

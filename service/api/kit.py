@@ -25,7 +25,11 @@ async def kit(name: str, server: PublicAddress) -> Response:
     slugs: dict[str, str | None] = {wheel.filename(slug): slug for slug in assignments()}
     slugs[wheel.filename()] = None
     if name not in slugs:
-        raise Problem(404, "not-found", f"there is no kit {name}: GET /v1/assignments/SLUG returns the path of an assignment's kit")
+        raise Problem(
+            404,
+            "not-found",
+            f"there is no kit {name}: GET /v1/assignments/SLUG returns the path of an assignment's kit",
+        )
     content = await asyncio.to_thread(wheel.wheel, slugs[name], server)
     headers = {"Cache-Control": "no-cache", "ETag": f'"{wheel.build(slugs[name])}"'}
     return Response(content, media_type=WHEEL, headers=headers)

@@ -31,17 +31,25 @@ class LargeBodies:
 
 
 async def parse_submission(request: Request, assignment: Assignment, large: LargeBodies) -> ParsedSubmission:
-    """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid, 503 while too many are large."""
+    """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid, 503 while too
+    many are large.
+    """
     content_type = request.headers.get("content-type", "")
     kind = content_type.split(";")[0].strip().lower()
     if kind not in (submission_body.FORM, submission_body.JSON):
-        raise Problem(415, "unsupported-media-type", f"send application/json or multipart/form-data, not {kind or 'nothing'}")
+        raise Problem(
+            415,
+            "unsupported-media-type",
+            f"send application/json or multipart/form-data, not {kind or 'nothing'}",
+        )
     try:
         parsed = await _parse(request, kind, large)
     except TooLarge as error:
         raise Problem(413, "too-large", str(error), error.pointer) from error
     except BadDocument as error:
-        raise Problem(422 if error.pointer else 400, "invalid-request", str(error), error.pointer or None) from error
+        raise Problem(
+            422 if error.pointer else 400, "invalid-request", str(error), error.pointer or None
+        ) from error
     except BadSubmission as error:
         raise Problem(422, "bad-submission", str(error), error.pointer) from error
     try:
@@ -79,7 +87,9 @@ async def _parse(request: Request, kind: str, large: LargeBodies) -> ParsedSubmi
         try:
             return await large.process.call(submission_body.parse, content_type, body, limits)
         except ProcessLost as error:
-            raise Problem(503, "busy", "reading the submission took too long: try again in a minute", retry_after=60) from error
+            raise Problem(
+                503, "busy", "reading the submission took too long: try again in a minute", retry_after=60
+            ) from error
 
 
 async def _take_place(large: LargeBodies, stack: contextlib.AsyncExitStack) -> None:
@@ -88,6 +98,9 @@ async def _take_place(large: LargeBodies, stack: contextlib.AsyncExitStack) -> N
         await asyncio.wait_for(large.places.acquire(), WAIT_S)
     except TimeoutError:
         raise Problem(
-            503, "busy", "too many large submissions arrive at this moment: try again in a minute", retry_after=10
+            503,
+            "busy",
+            "too many large submissions arrive at this moment: try again in a minute",
+            retry_after=10,
         ) from None
     stack.callback(large.places.release)

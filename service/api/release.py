@@ -1,4 +1,6 @@
-"""What of a graded submission a person may see: before their release, students get no scores, or no details of hidden checks."""
+"""What of a graded submission a person may see: before their release, students get no scores, or no details
+of hidden checks.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -14,17 +16,26 @@ from service.store.records import SubmissionRecord
 
 NOT_RELEASED = "the scores of this assignment have not been released yet: look again later"
 LATER = "the details of this check have not been released yet"
-SCORES: dict[str, Any] = {"score": None, "max_score": None, "total": None, "points": None, "penalty": 0, "overridden": False}
+SCORES: dict[str, Any] = {
+    "score": None,
+    "max_score": None,
+    "total": None,
+    "points": None,
+    "penalty": 0,
+    "overridden": False,
+}
 
 
 def visible(person: Person, stored: SubmissionRecord) -> SubmissionRecord:
-    """Return the submission as the person may see it: all of it for the staff, what is released for a student, to whom it also does
-    not say where an assignment's own code failed.
+    """Return the submission as the person may see it: all of it for the staff, what is released for a
+    student, to whom it also does not say where an assignment's own code failed.
     """
     if person.role in STAFF:
         return stored
     if FAULT.format(slug=stored.assignment, error="") in (stored.fault or ""):
-        stored = replace(stored, fault=FAULT.format(slug=stored.assignment, error="the course staff can see where"))
+        stored = replace(
+            stored, fault=FAULT.format(slug=stored.assignment, error="the course staff can see where")
+        )
     if not stored.scores_released:
         return replace(stored, report=None, points=None, penalty=0.0, withheld=True)
     if stored.report is not None and not stored.details_released:
@@ -40,10 +51,17 @@ def visible_row(person: Person, row: Row) -> Row:
 
 
 def _without_details(report: Report) -> Report:
-    """Return the report with no more of hidden checks than verdicts and points, and with nothing that their scenes returned."""
+    """Return the report with no more of hidden checks than verdicts and points, and with nothing that their
+    scenes returned.
+    """
     assignment = assignments().get(report.assignment)
-    public = {scene.name for scene in assignment.scenes if not callable(scene.inputs)} if assignment else set()
-    exercises = [replace(e, outcomes=[_without_numbers(o) if o.hidden else o for o in e.outcomes]) for e in report.exercises]
+    public = (
+        {scene.name for scene in assignment.scenes if not callable(scene.inputs)} if assignment else set()
+    )
+    exercises = [
+        replace(e, outcomes=[_without_numbers(o) if o.hidden else o for o in e.outcomes])
+        for e in report.exercises
+    ]
     figures, animations = pictures(assignment.exercises, public) if assignment else ([], [])
     shown = {picture.name for picture in (*figures, *animations)}
     return replace(

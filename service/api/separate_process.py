@@ -19,7 +19,9 @@ class ProcessLost(Exception):
 
 
 class SeparateProcess:
-    """A process that starts at the first call, with ``prepare(parent's pid)``, and serves one call at a time."""
+    """A process that starts at the first call, with ``prepare(parent's pid)``,
+    and serves one call at a time.
+    """
 
     def __init__(self, timeout_s: float, prepare: Callable[[int], None] = die_with_parent) -> None:
         self._timeout_s, self._prepare = timeout_s, prepare
@@ -31,9 +33,13 @@ class SeparateProcess:
         async with self._lock:
             if self._pool is None:
                 spawn = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=self._prepare, initargs=(os.getpid(),))
+                self._pool = ProcessPoolExecutor(
+                    1, mp_context=spawn, initializer=self._prepare, initargs=(os.getpid(),)
+                )
             try:
-                work = asyncio.get_running_loop().run_in_executor(self._pool, functools.partial(function, *args))
+                work = asyncio.get_running_loop().run_in_executor(
+                    self._pool, functools.partial(function, *args)
+                )
                 return await asyncio.wait_for(work, self._timeout_s)
             except (BrokenProcessPool, TimeoutError) as error:
                 self.stop()

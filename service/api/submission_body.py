@@ -1,7 +1,7 @@
 """The submission in the body of a request. Large bodies are parsed in a process of their own.
 
-Python's JSON parser holds the interpreter lock until it has finished, so parsing 20 MiB in a thread would stop
-all other requests.
+Python's JSON parser holds the interpreter lock until it has finished, so parsing 20 MiB in a thread would
+stop all other requests.
 """
 
 import asyncio
@@ -12,7 +12,13 @@ from collections.abc import AsyncGenerator
 from starlette.datastructures import Headers, UploadFile
 from starlette.formparsers import MultiPartParser
 
-from service.grading.json_submission import BadDocument, ParsedSubmission, check_exercises, check_filename, read_json
+from service.grading.json_submission import (
+    BadDocument,
+    ParsedSubmission,
+    check_exercises,
+    check_filename,
+    read_json,
+)
 from service.grading.submission import DEFAULT_SIZES, SizeLimits, Submission, TooLarge, upload_too_large
 from service.sandbox.guest.lockdown import die_with_parent
 
@@ -22,7 +28,9 @@ NICENESS = 5
 
 
 def parse(content_type: str, body: bytes, limits: SizeLimits) -> ParsedSubmission:
-    """Return the submission in a body of the media type FORM or JSON. Raises BadSubmission if it is invalid."""
+    """Return the submission in a body of the media type FORM or JSON.
+    Raises BadSubmission if it is invalid.
+    """
     try:
         if content_type.lower().startswith(FORM):
             return asyncio.run(parse_form(content_type, body, limits))
@@ -41,7 +49,9 @@ async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> Pars
         yield body
 
     try:
-        parser = MultiPartParser(Headers({"content-type": content_type}), stream(), max_files=1, max_fields=20)
+        parser = MultiPartParser(
+            Headers({"content-type": content_type}), stream(), max_files=1, max_fields=20
+        )
         parser.spool_max_size = limits.upload  # the file stays in memory
         form = await parser.parse()
     except Exception as error:
@@ -52,7 +62,9 @@ async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> Pars
             raise BadDocument('the form must have a file in its field "file"', "/file")
         name = check_filename(upload.filename or "submission.py", "/file")
         numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
-        return ParsedSubmission(Submission.from_bytes(await upload.read(), name, limits), check_exercises(numbers or None))
+        return ParsedSubmission(
+            Submission.from_bytes(await upload.read(), name, limits), check_exercises(numbers or None)
+        )
     finally:
         await form.close()
 

@@ -42,7 +42,10 @@ LONGEST_WAIT_S = 60.0
 OPEN_RETRY_S = 10
 SHARED = 10  # times as many open submissions for the person that all users of a server without logins share
 Prefer = Annotated[str | None, Header(description="`wait=SECONDS` (at most 60), `no-repeat`, or both.")]
-Key = Annotated[str | None, Header(max_length=200, description="A request with a known key returns the submission of the first.")]
+Key = Annotated[
+    str | None,
+    Header(max_length=200, description="A request with a known key returns the submission of the first."),
+]
 
 
 async def find_assignment(slug: str) -> Assignment:
@@ -54,7 +57,10 @@ async def find_assignment(slug: str) -> Assignment:
         return find(slug)
     except InvalidAssignment:
         raise Problem(
-            503, "assignment-broken", f"the assignment {slug} is broken (our error): contact the course staff", retry_after=60
+            503,
+            "assignment-broken",
+            f"the assignment {slug} is broken (our error): contact the course staff",
+            retry_after=60,
         ) from None
     except NoAssignment:
         raise Problem(404, "not-found", f"no assignment {slug[:80]}: check the address") from None
@@ -102,7 +108,9 @@ async def show_assignment(assignment: Assigned) -> answers.Described:
                     label=c.label,
                     hidden=assignment.hidden(c),
                     self_reported=is_self_reported(c),
-                    tolerance={key: value for key, value in document(c.tolerance).items() if value is not None},
+                    tolerance={
+                        key: value for key, value in document(c.tolerance).items() if value is not None
+                    },
                 )
                 for c in e.checks
             ],
@@ -130,7 +138,10 @@ SUBMIT_BODY = {
                 "required": ["source"],
                 "additionalProperties": False,
                 "properties": {
-                    "source": {"type": "string", "description": "Python source, or a notebook with a filename *.ipynb."},
+                    "source": {
+                        "type": "string",
+                        "description": "Python source, or a notebook with a filename *.ipynb.",
+                    },
                     "filename": {"type": "string", "default": "submission.py", "pattern": r"\.(py|ipynb)$"},
                     "exercises": {"type": "array", "minItems": 1, "items": {"type": "string"}},
                 },
@@ -182,7 +193,8 @@ async def store_submission(
     repeat: Annotated[bool, Depends(_may_repeat)],
     idempotency_key: Key = None,
 ) -> Accepted:
-    """Store the submission in the body and queue its grading; unless ``repeat``, only if it differs from the last one.
+    """Store the submission in the body and queue its grading; unless ``repeat``, only if it differs from the
+    last one.
 
     Raises Problem if the sandbox is unavailable, or if the submission is invalid or not permitted.
     """
@@ -190,15 +202,24 @@ async def store_submission(
     isolation, reason = await workers.current()
     if reason and not isolation:
         raise Problem(
-            503, "no-walls", f"the sandbox is unavailable, so submissions are not accepted: contact the course staff ({reason})"
+            503,
+            "no-walls",
+            "the sandbox is unavailable, so submissions are not accepted: contact the course staff"
+            f" ({reason})",
         )
     parsed = await parse_submission.parse_submission(request, assignment, large)
     drawn = secrets.randbits(48)
-    new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, parsed.submission, parsed.exercises, drawn, arrived)
+    new = NewSubmission(
+        uuid.uuid4(), assignment.slug, person.name, parsed.submission, parsed.exercises, drawn, arrived
+    )
     try:
-        return await _accept(database, settings.open_submissions, person, new, idempotency_key or None, repeat)
+        return await _accept(
+            database, settings.open_submissions, person, new, idempotency_key or None, repeat
+        )
     except KeyReused:
-        raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
+        raise Problem(
+            422, "key-reused", "this Idempotency-Key was used with a different body: use a new key"
+        ) from None
     except SubmissionRejected as reason:
         detail = str(reason)
         if reason.until:  # in the time zone of the page
@@ -215,7 +236,11 @@ Stored = Annotated[Accepted, Depends(store_submission)]
     status_code=202,
     response_model=answers.Submission,
     response_description="Stored",
-    responses=also(200, "Graded within the time to wait, or the last submission, which this one repeats", answers.Submission)
+    responses=also(
+        200,
+        "Graded within the time to wait, or the last submission, which this one repeats",
+        answers.Submission,
+    )
     | problems(SUBMIT_PROBLEMS),
     openapi_extra={"requestBody": SUBMIT_BODY},
 )
@@ -241,9 +266,13 @@ async def submit(
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
-        return _response(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
+        return _response(
+            queued, 202, {"Location": location, "Retry-After": "5"}
+        )  # the submission is stored despite the outage
     if accepted.repeated:
-        return _response(_document(found, repeated=True), 200, {"Location": location, "Preference-Applied": "no-repeat"})
+        return _response(
+            _document(found, repeated=True), 200, {"Location": location, "Preference-Applied": "no-repeat"}
+        )
     if found.finished and wait_s > 0:
         return _response(_document(found), 200, {"Location": location})
     return _response(_document(found), 202, {"Location": location, "Retry-After": "1"})
@@ -253,26 +282,41 @@ def _response(submission: answers.Submission, status: int, headers: dict[str, st
     return JSONResponse(submission.model_dump(mode="json", exclude_unset=True), status, headers)
 
 
-async def _accept(database: Db, most: int, person: Person, new: NewSubmission, key: str | None, repeat: bool) -> Accepted:
-    """Store the submission. Raises Problem 429 if too many of a student's submissions wait for their reports."""
+async def _accept(
+    database: Db, most: int, person: Person, new: NewSubmission, key: str | None, repeat: bool
+) -> Accepted:
+    """Store the submission. Raises Problem 429 if too many of a student's submissions wait for their
+    reports.
+    """
     most *= SHARED if person.single_user else 1
     try:
         return await accept(database, new, key, most_open=most, repeat=repeat)
     except TooManyOpen:
         if not person.single_user and person.role in STAFF:
             return await accept(database, new, key, repeat=repeat)
-    detail = f"{most} of your submissions are waiting for their reports, the most that may: submit again when one has its report"
+    detail = (
+        f"{most} of your submissions are waiting for their reports, the most that may: submit again when one"
+        " has its report"
+    )
     raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 
 
-@router.get("/v1/submissions/{id}", response_model_exclude_unset=True, responses=problems(PERSON | {404: "not-found"}))
+@router.get(
+    "/v1/submissions/{id}", response_model_exclude_unset=True, responses=problems(PERSON | {404: "not-found"})
+)
 async def show_submission(stored: Submission, database: Db) -> answers.Submission:
-    """Return the status of a submission, its report if graded, and the staff's overrides, answers and comments."""
+    """Return the status of a submission, its report if graded, and the staff's overrides, answers and
+    comments.
+    """
     given = [] if stored.withheld else await overrides.of_submission(database, stored.id)
     in_force = [one for one in given if one.in_force]
-    listed = [answers.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at) for o in in_force]
+    listed = [
+        answers.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at) for o in in_force
+    ]
     feedback = {
-        "regrade_requests": [asdict(one) for one in await regrade_requests.of_submission(database, stored.id)],
+        "regrade_requests": [
+            asdict(one) for one in await regrade_requests.of_submission(database, stored.id)
+        ],
         "comments": [asdict(one) for one in await comments.of_submission(database, stored.id)],
     }
     more: dict[str, Any] = {"points": stored.points, "overrides": listed} if listed else {}
@@ -336,7 +380,9 @@ async def report_junit(stored: Submission) -> Response:
     """Return the report as JUnit XML for CI systems."""
     report = report_of(stored)
     seconds = sum(report.provenance.phases_ms.values()) / 1e3
-    file = GradedFile(file=Path(stored.submission.filename), source=stored.submission.source, report=report, seconds=seconds)
+    file = GradedFile(
+        file=Path(stored.submission.filename), source=stored.submission.source, report=report, seconds=seconds
+    )
     assignment = await find_assignment(stored.assignment)
     return Response(await asyncio.to_thread(junit.text, [file], assignment), media_type="application/xml")
 
@@ -346,5 +392,7 @@ def report_of(stored: SubmissionRecord) -> Report:
     if stored.withheld:
         raise Problem(409, "not-ready", NOT_RELEASED)
     if stored.report is None:
-        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
+        raise Problem(
+            409, "not-ready", stored.fault or "the submission has not been graded yet: try again later"
+        )
     return stored.report

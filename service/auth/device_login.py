@@ -22,7 +22,9 @@ LONGEST_LABEL = 60
 
 
 class Started(BaseModel):
-    """A login: the code to show to the student, the addresses to confirm it at, and the secret that collects the token."""
+    """A login: the code to show to the student, the addresses to confirm it at, and the secret that collects
+    the token.
+    """
 
     device_code: str
     user_code: str
@@ -59,10 +61,16 @@ ShortText = Annotated[str, Body(embed=True, max_length=120)]
 @router.post(
     "/v1/logins",
     status_code=201,
-    responses=problems({408: "timed-out", 413: "too-large", 422: "invalid-request", 429: "too-many", 503: "busy"}),
+    responses=problems(
+        {408: "timed-out", 413: "too-large", 422: "invalid-request", 429: "too-many", 503: "busy"}
+    ),
 )
 async def start(
-    request: Request, database: Db, limits: Held[LoginRateLimiter], server: PublicAddress, label: ShortText = "a notebook"
+    request: Request,
+    database: Db,
+    limits: Held[LoginRateLimiter],
+    server: PublicAddress,
+    label: ShortText = "a notebook",
 ) -> Started:
     """Start a login.
 
@@ -96,7 +104,9 @@ async def collect(settings: Config, database: Db, device_code: ShortText) -> JSO
         found = await tokens.collect_login(database, device_code, settings.token_days)
     except tokens.LoginOver:
         raise Problem(
-            410, "login-over", "this login was refused, already used or not confirmed in time: run ecp.login() again"
+            410,
+            "login-over",
+            "this login was refused, already used or not confirmed in time: run ecp.login() again",
         ) from None
     if found is None:
         return JSONResponse(Pending().model_dump(), 202, {"Retry-After": str(INTERVAL_S)})
@@ -109,7 +119,9 @@ async def me(person: Reader) -> Owner:
     return Owner(person=person.name, scopes=sorted(person.scopes), local=person.single_user)
 
 
-@router.delete("/v1/me/token", status_code=204, responses=problems({401: "nobody", 413: "too-large", 503: "busy"}))
+@router.delete(
+    "/v1/me/token", status_code=204, responses=problems({401: "nobody", 413: "too-large", 503: "busy"})
+)
 async def revoke(request: Request, database: Db, bearer: Bearer) -> Response:
     """Revoke the token in the request's Authorization header."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()

@@ -39,7 +39,9 @@ def csrf_field(request: Request) -> Markup:
     )
 
 
-async def checked_public_form(request: Request, person: OptionalUser, cookies: BrowserCookies, origin: SameOrigin) -> FormData:
+async def checked_public_form(
+    request: Request, person: OptionalUser, cookies: BrowserCookies, origin: SameOrigin
+) -> FormData:
     """Return the form of a page that needs no login, such as the log-in page.
 
     Raises Problem 403 if the CSRF token is wrong, and 413 if the form is too large.
@@ -59,7 +61,9 @@ async def checked_public_form(request: Request, person: OptionalUser, cookies: B
 PublicForm = Annotated[FormData, Depends(checked_public_form)]
 
 
-async def checked_form(request: Request, person: CurrentUser, cookies: BrowserCookies, origin: SameOrigin) -> FormData:
+async def checked_form(
+    request: Request, person: CurrentUser, cookies: BrowserCookies, origin: SameOrigin
+) -> FormData:
     """Return the form of a logged-in person. Raises Problem 403 if the person's token may not log in."""
     person.with_scope("login")  # a token limited to reading or submitting may not send forms
     return await checked_public_form(request, person, cookies, origin)
@@ -77,20 +81,26 @@ def field(form: FormData, name: str, most: int = 400) -> str:
 
 
 def required(form: FormData, name: str, most: int = 400) -> str:
-    """Return a field's text, stripped. Raises Problem 422 if it is empty or longer than ``most`` characters."""
+    """Return a field's text, stripped. Raises Problem 422 if it is empty or longer than ``most``
+    characters.
+    """
     if not (text := field(form, name, most)):
         raise Problem(422, "invalid-request", f"enter the {name}", f"/{name}")
     return text
 
 
 def number(form: FormData, name: str, least: int, most: int, default: Default) -> float | Default:
-    """Return a field's number, ``default`` if it is empty. Raises Problem 422 if it is not one from ``least`` to ``most``."""
+    """Return a field's number, ``default`` if it is empty. Raises Problem 422 if it is not one from ``least``
+    to ``most``.
+    """
     if not (text := field(form, name, 40)):
         return default
     with suppress(ValueError):
         if least <= (value := float(text)) <= most:
             return value
-    raise Problem(422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}")
+    raise Problem(
+        422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}"
+    )
 
 
 def raw_field(form: FormData, name: str, most: int = 1000) -> str:
@@ -102,7 +112,9 @@ def raw_field(form: FormData, name: str, most: int = 1000) -> str:
     # The form declares its own encoding, which may decode to lone surrogates.
     text = value.encode("utf-8", "replace").decode() if isinstance(value, str) else ""
     if len(text) > most:
-        raise Problem(422, "invalid-request", f"{name} is too long: use at most {most} characters", f"/{name}")
+        raise Problem(
+            422, "invalid-request", f"{name} is too long: use at most {most} characters", f"/{name}"
+        )
     return text
 
 

@@ -24,16 +24,19 @@ from service.store.database import Database
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = sessions.COOKIE
 STAFF = ("assistant", "instructor")
-# The OpenAPI document declares it. ``identify`` reads the header itself, because JupyterHub sends the scheme "token" too.
-Bearer = Annotated[object, Depends(HTTPBearer(auto_error=False, description="A token of polhode, or of JupyterHub."))]
+# The OpenAPI document declares it. ``identify`` reads the header itself, because JupyterHub sends the scheme
+# "token" too.
+Bearer = Annotated[
+    object, Depends(HTTPBearer(auto_error=False, description="A token of polhode, or of JupyterHub."))
+]
 
 
 @dataclass(frozen=True)
 class Person:
     """An authenticated person, the scopes of their token, and their role in the course.
 
-    ``single_user`` is true for the local student in single-user mode, whose role is instructor. ``session`` is the id
-    of the browser's session.
+    ``single_user`` is true for the local student in single-user mode, whose role is instructor. ``session``
+    is the id of the browser's session.
     """
 
     name: str
@@ -46,7 +49,10 @@ class Person:
         """Return the person. Raises Problem 403 if the token lacks ``scope``."""
         if scope not in self.scopes:
             raise Problem(
-                403, "not-allowed", f"this token does not permit {scope}, only {', '.join(sorted(self.scopes))}: use another token"
+                403,
+                "not-allowed",
+                f"this token does not permit {scope}, only {', '.join(sorted(self.scopes))}: use another"
+                " token",
             )
         return self
 
@@ -70,7 +76,9 @@ async def identify(
             person = await _by_header(request, settings, database) or await _by_cookie(cookies, database)
             person = person or _single_user(request, settings)
             if request.method != "GET":
-                await same_origin(request, settings, address)  # browsers add cookie and proxy header to cross-site requests too
+                await same_origin(
+                    request, settings, address
+                )  # browsers add cookie and proxy header to cross-site requests too
     except Problem as problem:
         if problem.status != 401:
             raise
@@ -83,7 +91,9 @@ Visitor = Annotated[Person | Problem, Depends(identify)]
 
 
 def permitted(scope: str) -> Any:
-    """Return the dependency on a person whose token has ``scope``. It raises Problem 401 without one, and 403."""
+    """Return the dependency on a person whose token has ``scope``. It raises Problem 401 without one, and
+    403.
+    """
 
     async def authenticate(visitor: Visitor) -> Person:
         if isinstance(visitor, Problem):
@@ -102,10 +112,14 @@ async def by_token(token: str, database: Database, hub: Hub) -> Person:
     if not token.startswith(tokens.PREFIX):
         if (name := await hub.user(token)) is not None:
             return await _person(database, name, tokens.NOTEBOOK)
-        raise Problem(401, "nobody", "this is not a token of this server: check it, or log in again to get a new one")
+        raise Problem(
+            401, "nobody", "this is not a token of this server: check it, or log in again to get a new one"
+        )
     info = await tokens.find(database, token)
     if info is None:
-        raise Problem(401, "nobody", "this token is not valid here: check it, or log in again to get a new one")
+        raise Problem(
+            401, "nobody", "this token is not valid here: check it, or log in again to get a new one"
+        )
     if info.over:
         raise Problem(401, "nobody", f"this token {info.over}: log in again to get a new one")
     return Person(info.person, info.scopes, info.role)
@@ -122,10 +136,16 @@ async def same_origin(request: Request, settings: Config, address: PublicAddress
         own = {address, f"{request.url.scheme}://{request.headers.get('host', '')}"}
         allowed = origin in own or origin in settings.allowed_origins()
     if not allowed:
-        raise Problem(403, "not-allowed", "the request came from a page of another site: open this server's page and try again")
+        raise Problem(
+            403,
+            "not-allowed",
+            "the request came from a page of another site: open this server's page and try again",
+        )
 
 
-async def _by_authorization(request: Request, settings: Settings, database: Database, hub: Hub) -> Person | None:
+async def _by_authorization(
+    request: Request, settings: Settings, database: Database, hub: Hub
+) -> Person | None:
     scheme, _, token = request.headers.get("authorization", "").partition(" ")
     token = token.strip()
     if scheme.lower() not in ("bearer", "token") or not token:
@@ -161,9 +181,17 @@ async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | 
 
 def _single_user(request: Request, settings: Settings) -> Person:
     if settings.identity != "local" or settings.person_header is not None:
-        raise Problem(401, "nobody", "authentication required: run ecp.login() in the notebook, or log in on the web page")
+        raise Problem(
+            401,
+            "nobody",
+            "authentication required: run ecp.login() in the notebook, or log in on the web page",
+        )
     if not is_own_host(request, settings):
-        raise Problem(403, "not-allowed", "the request used an unknown host name: set POLHODE_PUBLIC_URL to the server's address")
+        raise Problem(
+            403,
+            "not-allowed",
+            "the request used an unknown host name: set POLHODE_PUBLIC_URL to the server's address",
+        )
     return Person(LOCAL, frozenset(tokens.SCOPES), "instructor", single_user=True)
 
 

@@ -23,13 +23,15 @@ class Hub:
         self._url = None if api_url is None else api_url.rstrip("/") + "/user"
         self._needed = {"access:services", f"access:services!service={service}"}
         self._cache: dict[str, tuple[float, str | None]] = {}
-        self._threads = ThreadPoolExecutor(4, "hub")  # a separate pool, so that a slow hub delays nothing else
+        self._threads = ThreadPoolExecutor(
+            4, "hub"
+        )  # a separate pool, so that a slow hub delays nothing else
 
     async def user(self, token: str) -> str | None:
         """Return the name of the token's user, or None if the token is not valid for polhode.
 
-        Raises Problem 503 if the hub does not respond. A token must have the scope to access this service; otherwise any token
-        that leaked from another service would be accepted.
+        Raises Problem 503 if the hub does not respond. A token must have the scope to access this service;
+        otherwise any token that leaked from another service would be accepted.
         """
         if self._url is None or len(token) > LONGEST_TOKEN or not (token.isascii() and token.isprintable()):
             return None
@@ -38,7 +40,9 @@ class Hub:
         if now >= until:
             name = await asyncio.get_running_loop().run_in_executor(self._threads, self._request_user, token)
             if len(self._cache) >= MOST_CACHED:
-                self._cache = {k: entry for k, entry in self._cache.items() if entry[1] is not None and entry[0] > now}
+                self._cache = {
+                    k: entry for k, entry in self._cache.items() if entry[1] is not None and entry[0] > now
+                }
             self._cache[key] = (now + (REFUSED_S if name is None else CACHED_S), name)
         return name
 
@@ -58,9 +62,13 @@ class Hub:
             with error:
                 if error.code in (401, 403):
                     return None
-                raise Problem(503, "busy", f"JupyterHub returned status {error.code}: try again in a moment") from None
+                raise Problem(
+                    503, "busy", f"JupyterHub returned status {error.code}: try again in a moment"
+                ) from None
         except (OSError, ValueError, LookupError, TypeError, AttributeError, HTTPException) as error:
-            raise Problem(503, "busy", f"JupyterHub does not respond: try again in a moment ({type(error).__name__})") from None
+            raise Problem(
+                503, "busy", f"JupyterHub does not respond: try again in a moment ({type(error).__name__})"
+            ) from None
 
 
 class _NoRedirect(urllib.request.HTTPRedirectHandler):

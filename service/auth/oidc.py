@@ -1,7 +1,8 @@
-"""OpenID Connect sign-in with authlib: authorization code with PKCE, state and nonce, and a verified ID token.
+"""OpenID Connect sign-in with authlib: authorization code with PKCE, state and nonce, and a verified ID
+token.
 
-The state of a sign-in is kept in a signed cookie of the browser that started it, so any server can finish it. An account is
-identified by issuer and subject; its name is used only at the first sign-in.
+The state of a sign-in is kept in a signed cookie of the browser that started it, so any server can finish it.
+An account is identified by issuer and subject; its name is used only at the first sign-in.
 """
 
 import importlib.util
@@ -41,7 +42,9 @@ def provider(settings: Settings) -> Any | None:
     if settings.oidc_issuer is None:
         return None
     if missing := [name for name in ("authlib", "httpx2") if importlib.util.find_spec(name) is None]:
-        raise NotInstalled(f"POLHODE_OIDC_ISSUER needs {' and '.join(missing)}: install polhode's wheel with its extra oidc")
+        raise NotInstalled(
+            f"POLHODE_OIDC_ISSUER needs {' and '.join(missing)}: install polhode's wheel with its extra oidc"
+        )
     from authlib.integrations.starlette_client import OAuth
 
     secret = settings.oidc_client_secret
@@ -64,7 +67,9 @@ class Provider:
 
 async def _client(provider: Held[Provider]) -> Any:
     if provider.client is None:
-        raise Problem(404, "not-found", "this server has no sign-in provider: log in with a password or token")
+        raise Problem(
+            404, "not-found", "this server has no sign-in provider: log in with a password or token"
+        )
     return provider.client
 
 
@@ -73,7 +78,12 @@ Client = Annotated[Any, Depends(_client)]
 
 @router.get("/oidc/login")
 async def start(
-    request: Request, client: Client, settings: Config, cookies: BrowserCookies, server: PublicAddress, next: str = ""
+    request: Request,
+    client: Client,
+    settings: Config,
+    cookies: BrowserCookies,
+    server: PublicAddress,
+    next: str = "",
 ) -> Response:
     """Redirect the browser to the provider."""
     request.scope["session"] = {}
@@ -87,7 +97,12 @@ async def start(
 
 @router.get("/oidc/callback")
 async def finish(
-    request: Request, user: OptionalUser, client: Client, settings: Config, database: Db, cookies: BrowserCookies
+    request: Request,
+    user: OptionalUser,
+    client: Client,
+    settings: Config,
+    database: Db,
+    cookies: BrowserCookies,
 ) -> Response:
     """Log in the person that the provider names, and redirect to the page they requested."""
     try:
@@ -100,7 +115,9 @@ async def finish(
     account, logged_in = (str(claims["iss"]), str(claims["sub"])), None if user is None else user.name
     try:
         async with database.begin() as connection:
-            name = await credentials.signed_in(connection, account, _name(settings.oidc_claim, claims), logged_in)
+            name = await credentials.signed_in(
+                connection, account, _name(settings.oidc_claim, claims), logged_in
+            )
     except credentials.NameTaken as error:
         raise Problem(403, "not-allowed", str(error)) from None
     response = RedirectResponse(back or "/", 303)
@@ -112,7 +129,10 @@ async def finish(
 async def _verified_claims(request: Request, client: Any, settings: Settings) -> dict[str, Any]:
     """Return the claims of the ID token after verifying signature, issuer, audience, nonce and expiry."""
     metadata, claim = await _metadata(client, settings), settings.oidc_claim
-    options = {"iss": {"essential": True, "value": metadata["issuer"]}, "aud": {"essential": True, "value": client.client_id}}
+    options = {
+        "iss": {"essential": True, "value": metadata["issuer"]},
+        "aud": {"essential": True, "value": client.client_id},
+    }
     try:
         token = await client.authorize_access_token(request, claims_options=options)
     except Exception:
@@ -129,13 +149,17 @@ async def _verified_claims(request: Request, client: Any, settings: Settings) ->
 def _name(claim: str, claims: dict[str, Any]) -> str:
     if claim == "email" and claims.get("email_verified") is not True:
         raise Problem(
-            403, "not-allowed", "the sign-in provider has not verified your email address: verify it there, then sign in again"
+            403,
+            "not-allowed",
+            "the sign-in provider has not verified your email address: verify it there, then sign in again",
         )
     try:
         return people.normalize_name(claims[claim] if isinstance(claims.get(claim), str) else "")
     except people.InvalidName:
         raise Problem(
-            403, "not-allowed", f"the sign-in provider did not send a usable name (claim {claim}): contact the course staff"
+            403,
+            "not-allowed",
+            f"the sign-in provider did not send a usable name (claim {claim}): contact the course staff",
         ) from None
 
 
@@ -147,9 +171,13 @@ async def _metadata(client: Any, settings: Settings) -> dict[str, Any]:
     metadata: dict[str, Any] = await client.load_server_metadata()
     if str(metadata.get("issuer")).rstrip("/") != (settings.oidc_issuer or "").rstrip("/"):
         metadata.pop("_loaded_at", None)
-        raise Problem(503, "busy", "the sign-in provider's issuer differs from POLHODE_OIDC_ISSUER: correct the setting")
+        raise Problem(
+            503, "busy", "the sign-in provider's issuer differs from POLHODE_OIDC_ISSUER: correct the setting"
+        )
     offered = metadata.get("id_token_signing_alg_values_supported") or []
-    metadata["id_token_signing_alg_values_supported"] = [name for name in offered if name in SIGNED] or ["RS256"]
+    metadata["id_token_signing_alg_values_supported"] = [name for name in offered if name in SIGNED] or [
+        "RS256"
+    ]
     return metadata
 
 
@@ -166,10 +194,14 @@ def _provider_errors() -> Iterator[None]:
         raise Problem(403, "not-allowed", START_AGAIN) from None
     except OAuthError as error:
         code = error.error if re.fullmatch(r"[a-z_]{1,40}", str(error.error)) else "error"
-        raise Problem(403, "not-allowed", f"the sign-in provider refused the sign-in ({code}): try again") from None
+        raise Problem(
+            403, "not-allowed", f"the sign-in provider refused the sign-in ({code}): try again"
+        ) from None
     except JoseError as error:
         raise Problem(
-            403, "not-allowed", f"the sign-in provider's response could not be verified ({error.error}): try again"
+            403,
+            "not-allowed",
+            f"the sign-in provider's response could not be verified ({error.error}): try again",
         ) from None
     except (httpx2.HTTPError, httpx2.InvalidURL, ValueError, LookupError, TypeError, RuntimeError) as error:
         raise Problem(503, "busy", f"{UNAVAILABLE} ({type(error).__name__})") from None

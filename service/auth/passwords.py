@@ -103,6 +103,8 @@ class PasswordChecker:
             raise Problem(503, "busy", "too many people are logging in: try again in a moment")
         self._waiting += 1
         try:
-            return await asyncio.get_running_loop().run_in_executor(self._threads, lambda: work(*args, **kwargs))
+            return await asyncio.get_running_loop().run_in_executor(
+                self._threads, lambda: work(*args, **kwargs)
+            )
         finally:
             self._waiting -= 1

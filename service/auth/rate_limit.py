@@ -1,9 +1,9 @@
-"""Rate limits of failed logins, by name and by address, and of started notebook logins, by address. Each server process counts
-separately.
+"""Rate limits of failed logins, by name and by address, and of started notebook logins, by address. Each
+server process counts separately.
 
-A browser in which the person has logged in before has its own counter, so guesses from elsewhere do not lock the person out of
-it. In a new browser the person waits as the attacker does, at most one window. Tokens cannot be guessed; logins by token are not
-limited.
+A browser in which the person has logged in before has its own counter, so guesses from elsewhere do not lock
+the person out of it. In a new browser the person waits as the attacker does, at most one window. Tokens
+cannot be guessed; logins by token are not limited.
 """
 
 import math
@@ -60,12 +60,16 @@ class LoginRateLimiter:
                     del self._pending[key]
 
     def start(self, request: Request) -> None:
-        """Count a started notebook login. Raises Problem 429 if its address has started too many within a minute."""
+        """Count a started notebook login. Raises Problem 429 if its address has started too many within a
+        minute.
+        """
         address = _address(request)
         if not self._starts.hit(STARTS, address):
             until, _ = self._starts.get_window_stats(STARTS, address)
             wait_s = max(1, math.ceil(until - time.time()))
-            detail = f"too many logins were started from your network: wait {wait_s} s, then run ecp.login() again"
+            detail = (
+                f"too many logins were started from your network: wait {wait_s} s, then run ecp.login() again"
+            )
             raise Problem(429, "too-many", detail, retry_after=wait_s)
 
 
@@ -82,5 +86,8 @@ def _address(request: Request) -> str:
 
 def _too_many(wait_s: int) -> Problem:
     minutes = math.ceil(wait_s / 60)
-    detail = f"too many failed logins: wait {minutes} minute{'s' if minutes > 1 else ''}, or log in with the token from your course"
+    detail = (
+        f"too many failed logins: wait {minutes} minute{'s' if minutes > 1 else ''}, or log in with the token"
+        " from your course"
+    )
     return Problem(429, "too-many", detail, retry_after=wait_s)

@@ -60,7 +60,9 @@ class Cookies:
             if method == "password":
                 await audit.record(connection, name, "log in", name, {"by": method})
         self.set(response, COOKIE, self._signer.sign(secret).decode(), max_age=SESSION_S)
-        self.set(response, KNOWN, self.serializer("known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S)
+        self.set(
+            response, KNOWN, self.serializer("known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S
+        )
         response.delete_cookie(VISIT)
 
     def known_browser(self, name: str) -> str | None:
@@ -73,7 +75,9 @@ class Cookies:
 
     @cached_property
     def anonymous_id(self) -> str:
-        """The secret that identifies a browser before a login; ``store_anonymous_id`` saves a new one as a cookie."""
+        """The secret that identifies a browser before a login; ``store_anonymous_id`` saves a new one as a
+        cookie.
+        """
         cookie = self._request.cookies.get(VISIT, "")
         return cookie if re.fullmatch(r"[\w-]{43}", cookie, re.ASCII) else secrets.token_urlsafe(32)
 
@@ -116,7 +120,13 @@ def _browser(request: Request) -> str:
 
 
 _SHA256: dict[str, Any] = {"digest_method": hashlib.sha256, "key_derivation": "hmac"}
-_BROWSERS = (("Edg", "Edge"), ("OPR/", "Opera"), ("Firefox/", "Firefox"), ("Chrome/", "Chrome"), ("Safari/", "Safari"))
+_BROWSERS = (
+    ("Edg", "Edge"),
+    ("OPR/", "Opera"),
+    ("Firefox/", "Firefox"),
+    ("Chrome/", "Chrome"),
+    ("Safari/", "Safari"),
+)
 _SYSTEMS = (
     ("Android", "Android"),
     ("iPhone", "iPhone"),

@@ -1,8 +1,8 @@
 """The command-line entry point ``polhode``: one module for each group of commands.
 
-Only the module of the given command is imported, and only its arguments are added. A failing import exits with
-code 2, because codes 0 and 1 are answers: of ``grade``, all checks ✓ or not; of ``mutants``, whether the checks
-accept exactly the right functions. Code 141 means that standard output was closed early.
+Only the module of the given command is imported, and only its arguments are added. A failing import exits
+with code 2, because codes 0 and 1 are answers: of ``grade``, all checks ✓ or not; of ``mutants``, whether the
+checks accept exactly the right functions. Code 141 means that standard output was closed early.
 """
 
 import argparse
@@ -19,36 +19,64 @@ CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
 
 class Command(NamedTuple):
-    """The module of a command, whose function ``add_COMMAND`` adds the arguments to the parser, and what the command does."""
+    """The module of a command, whose function ``add_COMMAND`` adds the arguments to the parser, and what the
+    command does.
+    """
 
     module: str
     help: str
 
 
 COMMANDS = {
-    "serve": Command("serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set"),
-    "worker": Command("worker", help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL"),
+    "serve": Command(
+        "serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set"
+    ),
+    "worker": Command(
+        "worker",
+        help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL",
+    ),
     "chart": Command("chart", help="measure the reference methods and chart their cost and where they fail"),
-    "mutants": Command("mutants", help="grade mutants of the solution and list those that the checks misjudge"),
+    "mutants": Command(
+        "mutants", help="grade mutants of the solution and list those that the checks misjudge"
+    ),
     "grade": Command("grade", help="grade .py and .ipynb files on this machine, without server or database"),
-    "verify": Command("verify", help="grade the samples of assignments and compare with their expected reports"),
+    "verify": Command(
+        "verify", help="grade the samples of assignments and compare with their expected reports"
+    ),
     "new-assignment": Command("scaffolding", help="create an assignment of two working exercises to edit"),
     "import-notebook": Command(
         "import_notebook",
-        help="make an assignment of a published notebook: its validation cells are run and judged again, without points",
+        help=(
+            "make an assignment of a published notebook: its validation cells are run and judged again,"
+            " without points"
+        ),
     ),
-    "publish": Command("publish", help="write the students' notebook of an assignment, without solutions, to SLUG.ipynb"),
+    "publish": Command(
+        "publish", help="write the students' notebook of an assignment, without solutions, to SLUG.ipynb"
+    ),
     "export": Command("gradescope_bundle", help="export an assignment for another grading system"),
     "db": Command("database", help="upgrade, back up, restore and check the database"),
-    "queue": Command("queue", help="show waiting and running gradings (refreshes every second on a terminal)"),
-    "regrade": Command("queue", help="grade submissions again, after all first gradings; results apply immediately"),
+    "queue": Command(
+        "queue", help="show waiting and running gradings (refreshes every second on a terminal)"
+    ),
+    "regrade": Command(
+        "queue", help="grade submissions again, after all first gradings; results apply immediately"
+    ),
     "assign": Command(
-        "queue", help="set or show deadline, grace period, submission limit and weight; options not given stay unchanged"
+        "queue",
+        help=(
+            "set or show deadline, grace period, submission limit and weight; options not given stay"
+            " unchanged"
+        ),
     ),
     "plan": Command("plan", help="simulate how long students wait at a deadline, with one core per worker"),
-    "roster": Command("people", help="import people from a CSV file, or list the people of the course in that format"),
+    "roster": Command(
+        "people", help="import people from a CSV file, or list the people of the course in that format"
+    ),
     "token": Command("people", help="create, list and revoke tokens"),
-    "password": Command("people", help="set a person's password, typed at a prompt or read from standard input"),
+    "password": Command(
+        "people", help="set a person's password, typed at a prompt or read from standard input"
+    ),
     "unlink": Command("people", help="disconnect a person from the account at the OpenID provider"),
     "doctor": Command("doctor", help="check which sandbox features this machine supports"),
     "assignments": Command("scaffolding", help="list the assignments and their exercises"),
@@ -77,7 +105,9 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         code = INTERRUPTED
     except Exception as error:
-        with suppress(OSError):  # standard error may be full too; a traceback would exit with 1, which is an answer
+        with suppress(
+            OSError
+        ):  # standard error may be full too; a traceback would exit with 1, which is an answer
             print_error(error)
         code = CANNOT
     for stream in filter(None, (sys.stdout, sys.stderr)):
@@ -89,14 +119,18 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _parse(argv: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
+    parser = argparse.ArgumentParser(
+        prog="polhode", description="Auto-graded course assignments for physics notebooks."
+    )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     given = [name for name in argv[:1] if name in COMMANDS]
     for name in given or COMMANDS:
         command = commands.add_parser(name, help=COMMANDS[name].help)
         if given:
-            getattr(import_module(f"service.cli.{COMMANDS[name].module}"), f"add_{name.replace('-', '_')}")(command)
+            getattr(import_module(f"service.cli.{COMMANDS[name].module}"), f"add_{name.replace('-', '_')}")(
+                command
+            )
     return parser.parse_args(argv)
 
 

@@ -8,7 +8,9 @@ Number = TypeVar("Number", int, float)
 
 
 def number(kind: type[Number], test: Callable[[Number], bool], *, detail: str) -> Callable[[str], Number]:
-    """Return a function for argparse that reads a number for which ``test`` is true; ``detail`` says what is expected."""
+    """Return a function for argparse that reads a number for which ``test`` is true; ``detail`` says what is
+    expected.
+    """
 
     def read(text: str) -> Number:
         if not test(value := kind(text)):
@@ -26,5 +28,8 @@ seed = number(int, lambda n: n >= 0, detail="expected a seed of 0 or more")
 def add_exercise(parser: argparse.ArgumentParser) -> None:
     """Add the option that selects exercises."""
     parser.add_argument(
-        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: the attempted exercises"
+        "--exercise",
+        action="append",
+        metavar="N",
+        help="grade exercise N; repeatable; default: the attempted exercises",
     )

@@ -1,8 +1,8 @@
 """The submission's identity in Classroom 50, read from the runner's environment variables and the checked-out
 commit.
 
-The variables are those of foundation50/classroom50, runner.py. The time of submission is the commit date, which
-a regrade does not change; without git, it is the time in the submission's tag.
+The variables are those of foundation50/classroom50, runner.py. The time of submission is the commit date,
+which a regrade does not change; without git, it is the time in the submission's tag.
 """
 
 import os
@@ -40,7 +40,10 @@ def read_environment(environment: Mapping[str, str], folder: Path, graded_at: da
 
     Raises MissingEnvironment if a variable is not set or no time of submission is found.
     """
-    values = {field: next((value for name in names if (value := environment.get(name))), "") for field, names in NAMES.items()}
+    values = {
+        field: next((value for name in names if (value := environment.get(name))), "")
+        for field, names in NAMES.items()
+    }
     values["assignment_type"] = values["assignment_type"] or "individual"
     if missing := [" or ".join(NAMES[field]) for field, value in values.items() if not value]:
         unset = f"{', '.join(missing)} {'are' if len(missing) > 1 else 'is'} not set"
@@ -48,7 +51,9 @@ def read_environment(environment: Mapping[str, str], folder: Path, graded_at: da
     submitted_at = _commit_time(environment.get("GITHUB_SHA", ""), folder) or _tag_time(values["submission"])
     if submitted_at is None:
         cause = f"git has no commit date and the tag {values['submission']} has no time"
-        raise MissingEnvironment(f"cannot determine when this was submitted: {cause}; check out the repository with its history")
+        raise MissingEnvironment(
+            f"cannot determine when this was submitted: {cause}; check out the repository with its history"
+        )
     return SubmissionInfo(**values, submitted_at=submitted_at, graded_at=graded_at)
 
 
@@ -63,7 +68,9 @@ def _commit_time(commit: str, folder: Path) -> datetime | None:
     safe = ("-c", "safe.directory=*", "-c", "safe.bareRepository=explicit")
     asked = ["git", *safe, "-C", str(folder), "cat-file", "commit", commit]
     try:
-        content = subprocess.run(asked, capture_output=True, timeout=60, check=True, env=os.environ | _NO_HELPERS).stdout
+        content = subprocess.run(
+            asked, capture_output=True, timeout=60, check=True, env=os.environ | _NO_HELPERS
+        ).stdout
     except (OSError, subprocess.SubprocessError):
         return None
     match = _COMMITTER.search(content)  # the first match is in the header; the message follows
@@ -72,6 +79,8 @@ def _commit_time(commit: str, folder: Path) -> datetime | None:
 
 def _tag_time(tag: str) -> datetime | None:
     try:
-        return datetime.strptime(tag[: len("submit/2026-12-31T23-59-59Z")], "submit/%Y-%m-%dT%H-%M-%SZ").replace(tzinfo=UTC)
+        return datetime.strptime(
+            tag[: len("submit/2026-12-31T23-59-59Z")], "submit/%Y-%m-%dT%H-%M-%SZ"
+        ).replace(tzinfo=UTC)
     except ValueError:
         return None

@@ -26,7 +26,9 @@ T = TypeVar("T")
 def add_db(parser: argparse.ArgumentParser) -> None:
     """Add the subcommands."""
     actions = parser.add_subparsers(dest="action", required=True)
-    actions.add_parser("upgrade", help="upgrade the tables to this version, as a starting server does").set_defaults(run=_upgrade)
+    actions.add_parser(
+        "upgrade", help="upgrade the tables to this version, as a starting server does"
+    ).set_defaults(run=_upgrade)
     write = actions.add_parser("backup", help="write all data to FILE; the server can keep running")
     write.add_argument("file", type=Path, metavar="FILE", help="file to write")
     write.set_defaults(run=_backup)
@@ -35,15 +37,28 @@ def add_db(parser: argparse.ArgumentParser) -> None:
     restore.add_argument("--replace", action="store_true", help="delete the database's present content first")
     restore.set_defaults(run=_restore)
     actions.add_parser("check", help="check the stored data for inconsistencies").set_defaults(run=_check)
-    drill = actions.add_parser("drill", help="restore a new backup, or FILE, into an empty database of its own, and compare")
-    drill.add_argument("file", type=Path, metavar="FILE", nargs="?", help="file written by polhode db backup; default: a new one")
+    drill = actions.add_parser(
+        "drill", help="restore a new backup, or FILE, into an empty database of its own, and compare"
+    )
+    drill.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        nargs="?",
+        help="file written by polhode db backup; default: a new one",
+    )
     drill.set_defaults(run=_drill)
     prune = actions.add_parser("prune", help="count stored files that polhode can make again, or delete them")
-    prune.add_argument("--older-than", type=_days, default=30.0, metavar="DAYS", help="only of results this old (default 30)")
+    prune.add_argument(
+        "--older-than", type=_days, default=30.0, metavar="DAYS", help="only of results this old (default 30)"
+    )
     prune.add_argument(
         "--arrays",
         action="store_true",
-        help="not figures, but the arrays that reports were made from: figures that nobody has opened then need a regrade",
+        help=(
+            "not figures, but the arrays that reports were made from: figures that nobody has opened then"
+            " need a regrade"
+        ),
     )
     prune.add_argument("--delete", action="store_true", help="delete them; default: only count")
     prune.set_defaults(run=_prune)
@@ -65,17 +80,22 @@ def database_url(settings: Settings, *, create: bool = False, restore: bool = Fa
     running.
 
     ``create`` allows a first start, and ``restore`` a new database that replaces a missing one if the block
-    succeeds. Raises DatabaseUnavailable if there is no database otherwise, CommandError for an error of a query.
+    succeeds. Raises DatabaseUnavailable if there is no database otherwise, CommandError for an error of a
+    query.
     """
     exists = (settings.data / "postgres" / "PG_VERSION").exists()
     try:
         with ExitStack() as stack:
             url = settings.database_url or running_url(settings.data)
             if url is None and not (exists or create or restore):
-                raise DatabaseUnavailable(f"no database in {settings.data}: set POLHODE_DATA or POLHODE_DATABASE_URL")
+                raise DatabaseUnavailable(
+                    f"no database in {settings.data}: set POLHODE_DATA or POLHODE_DATABASE_URL"
+                )
             if url is None:
                 embedded = EmbeddedPostgres(settings.data, settings.postgres)
-                url = stack.enter_context(embedded.new_cluster() if restore and not exists else _running(embedded))
+                url = stack.enter_context(
+                    embedded.new_cluster() if restore and not exists else _running(embedded)
+                )
             yield url
     except (psycopg.Error, DBAPIError) as error:
         cause = getattr(error, "orig", None) or error
@@ -94,7 +114,9 @@ def _running(embedded: EmbeddedPostgres) -> Iterator[str]:
 
 
 def run_async(url: str, action: Callable[[Database], Awaitable[T]]) -> T:
-    """Return the result of ``action`` on the database at ``url``. Raises WrongSchema if a later version wrote it."""
+    """Return the result of ``action`` on the database at ``url``. Raises WrongSchema if a later version wrote
+    it.
+    """
 
     async def once() -> T:
         database = Database(url, "polhode command", connections=1)
@@ -108,7 +130,9 @@ def run_async(url: str, action: Callable[[Database], Awaitable[T]]) -> T:
 
 
 def in_database(action: Callable[[Database], Awaitable[T]]) -> T:
-    """Return the result of ``action`` on the database of the settings. Raises as ``database_url`` and ``run_async`` do."""
+    """Return the result of ``action`` on the database of the settings. Raises as ``database_url`` and
+    ``run_async`` do.
+    """
     with database_url(Settings()) as url:
         return run_async(url, action)
 
@@ -160,11 +184,17 @@ def _prune(arguments: argparse.Namespace) -> None:
         found = retention.prune(url, versions, **options)
     for kind, files, size in found:
         print(f"{files} files, {size / 1e6:.1f} MB: {FILES[kind]}")
-    print("deleted; PostgreSQL uses the space for new data" if arguments.delete else "nothing was deleted: --delete deletes them")
+    print(
+        "deleted; PostgreSQL uses the space for new data"
+        if arguments.delete
+        else "nothing was deleted: --delete deletes them"
+    )
 
 
 FILES = {
-    "replaced": "files of gradings that are not shown, as a later grading replaced them or the regrade was dropped",
+    "replaced": (
+        "files of gradings that are not shown, as a later grading replaced them or the regrade was dropped"
+    ),
     "drawn": "figures and motions, which the next request draws again",
     "arrays": "arrays that reports were made from; a regrade makes them again",
 }
@@ -191,5 +221,7 @@ def _drill(arguments: argparse.Namespace) -> int:
         print(f"✗  {broken[sentence]} {sentence}")
     good = not different and not any(broken.values())
     if good:
-        print("✓  every row is the same, and the data is consistent" if before else "✓  the data is consistent")
+        print(
+            "✓  every row is the same, and the data is consistent" if before else "✓  the data is consistent"
+        )
     return 0 if good else 1

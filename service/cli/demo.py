@@ -25,14 +25,19 @@ MADE = 3  # samples shown of an assignment whose samples follow from its declara
 
 
 def main() -> int:
-    """Run the demonstration. Return 0 if every report is as expected, 1 if not, 2 if the server did not start."""
+    """Run the demonstration. Return 0 if every report is as expected, 1 if not, 2 if the server did not
+    start.
+    """
     parser = argparse.ArgumentParser(prog="polhode demo", description=__doc__)
     parser.add_argument("--once", action="store_true", help="stop the server after the last sample")
     parser.add_argument("--port", type=int, help="port to listen on; default: a free one")
     arguments = parser.parse_args()
     once, port = arguments.once, arguments.port or free_port()
     if not _is_free(port):
-        print(f"polhode: port {port} cannot be used: choose another one, such as make demo PORT=8123", file=sys.stderr)
+        print(
+            f"polhode: port {port} cannot be used: choose another one, such as make demo PORT=8123",
+            file=sys.stderr,
+        )
         return 2
     for stop in (signal.SIGINT, signal.SIGTERM):  # a shell may start background jobs with SIGINT ignored
         signal.signal(stop, signal.default_int_handler)
@@ -45,13 +50,27 @@ def main() -> int:
         print(f"({time.monotonic() - began:.1f} s)")
         count = add_class(Settings(), SLUGS)
         wrong = _grade_all(address)
-        summary = f"unexpected reports: {', '.join(wrong)}" if wrong else "every sample got its expected report"
+        summary = (
+            f"unexpected reports: {', '.join(wrong)}" if wrong else "every sample got its expected report"
+        )
         print(f"\n{summary} ({time.monotonic() - began:.1f} s)")
         if not once:
-            print("Students' notebooks:", *(f"{address}/v1/assignments/{slug}/notebook.ipynb" for slug in SLUGS), sep="\n  ")
+            print(
+                "Students' notebooks:",
+                *(f"{address}/v1/assignments/{slug}/notebook.ipynb" for slug in SLUGS),
+                sep="\n  ",
+            )
             if count:
-                print(f"A synthetic class of {STUDENTS} students sent {count} submissions; the server is grading them.")
-            print("Dashboard:", *(f"{address}/assignments/{slug}/class" for slug in SLUGS), f"{address}/queue", sep="\n  ")
+                print(
+                    f"A synthetic class of {STUDENTS} students sent {count} submissions; the server is"
+                    " grading them."
+                )
+            print(
+                "Dashboard:",
+                *(f"{address}/assignments/{slug}/class" for slug in SLUGS),
+                f"{address}/queue",
+                sep="\n  ",
+            )
             print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop.", flush=True)
             server.wait()
         return 1 if wrong else 0
@@ -63,7 +82,9 @@ def main() -> int:
 
 
 def _grade_all(address: str) -> list[str]:
-    """Submit the samples, four at a time, and print the reports in order. Return the names of unexpected reports."""
+    """Submit the samples, four at a time, and print the reports in order. Return the names of unexpected
+    reports.
+    """
     known, wrong = [(slug, *shown) for slug in SLUGS for shown in _shown(slug)], []
     with ThreadPoolExecutor(4) as pool:
         answers = [pool.submit(_submit, address, *one) for one in known]
@@ -74,7 +95,9 @@ def _grade_all(address: str) -> list[str]:
             if report is None:
                 print(f"not graded: {document['status']} {document.get('fault', '')}")
             else:
-                with urllib.request.urlopen(f"{address}/v1/submissions/{document['id']}/report.txt", timeout=30) as answer:
+                with urllib.request.urlopen(
+                    f"{address}/v1/submissions/{document['id']}/report.txt", timeout=30
+                ) as answer:
                     print(answer.read().decode().rstrip(), flush=True)
             if report is None or sample.unexpected(report):
                 wrong.append(name)
@@ -82,8 +105,8 @@ def _grade_all(address: str) -> list[str]:
 
 
 def _shown(slug: str) -> Iterator[tuple[str, str, Sample | MadeSample]]:
-    """Yield the samples to show with their names and sources: those marked for it, or the right one and a wrong one of each of the
-    first exercises.
+    """Yield the samples to show with their names and sources: those marked for it, or the right one and a
+    wrong one of each of the first exercises.
     """
     assignment = assignments()[slug]
     for sample in samples(assignment):
@@ -97,7 +120,9 @@ def _submit(address: str, slug: str, name: str, source: str, sample: Sample | Ma
     """Post the sample, wait for the report and return the submission's document."""
     body = {"filename": name, "source": source} | ({"exercises": list(sample.ask)} if sample.ask else {})
     headers = {"Content-Type": "application/json", "Prefer": "wait=60"}
-    request = urllib.request.Request(f"{address}/v1/assignments/{slug}/submissions", json.dumps(body).encode(), headers)
+    request = urllib.request.Request(
+        f"{address}/v1/assignments/{slug}/submissions", json.dumps(body).encode(), headers
+    )
     with urllib.request.urlopen(request, timeout=90) as answer:
         document: dict[str, Any] = json.load(answer)
     return document
@@ -119,7 +144,9 @@ def _wait_ready(server: subprocess.Popen[bytes], address: str) -> bool:
 
 
 def _is_free(port: int) -> bool:
-    """Return whether a server can listen on the port. If not, another server may answer there and receive the samples."""
+    """Return whether a server can listen on the port. If not, another server may answer there and receive the
+    samples.
+    """
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

@@ -1,4 +1,6 @@
-"""A synthetic class for the demonstration: forty students who submit samples, graded after all interactive submissions."""
+"""A synthetic class for the demonstration: forty students who submit samples, graded after all interactive
+submissions.
+"""
 
 import time
 import uuid
@@ -84,7 +86,8 @@ ENDS = {
 
 
 def add_class(settings: Settings, slugs: Sequence[str]) -> int:
-    """Add the class and its submissions to these assignments to the running server's database unless it has them.
+    """Add the class and its submissions to these assignments to the running server's database unless it has
+    them.
 
     Return the number of submissions added.
     """
@@ -100,16 +103,21 @@ async def _add_class(database: Database, chosen: Sequence[Assignment]) -> int:
     names = [f"{rng.choice(GIVEN)} {rng.choice(FAMILY)}" for _ in range(STUDENTS)]
     ids = [f"student-{k:02}" for k in range(1, STUDENTS + 1)]
     roster = [
-        (id, "student", name, f"{id}@example.org", f"{260000 + k}") for k, (id, name) in enumerate(zip(ids, names, strict=True), 1)
+        (id, "student", name, f"{id}@example.org", f"{260000 + k}")
+        for k, (id, name) in enumerate(zip(ids, names, strict=True), 1)
     ]
     async with database.begin() as connection:
         await people.enroll(connection, [("local", "instructor"), *roster])
     due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
     for week, assignment in enumerate(chosen):
-        rules = queue_overview.Rules(due + timedelta(weeks=week), 3600.0, None, weight=2.0 if week == 0 else 1.0)
+        rules = queue_overview.Rules(
+            due + timedelta(weeks=week), 3600.0, None, weight=2.0 if week == 0 else 1.0
+        )
         await queue_overview.set_rules(database, assignment.slug, rules, BY)
     late = due + timedelta(days=3)
-    await deadlines.extend(database, chosen[0].slug, roster[4][0], late, reason="was ill for three days", by=BY)
+    await deadlines.extend(
+        database, chosen[0].slug, roster[4][0], late, reason="was ill for three days", by=BY
+    )
     submissions = [new for name, *_ in roster for new in _submissions(chosen[0], name, rng)]
     submissions += [new for one in chosen[1:] for name, *_ in roster[::3] for new in _made(one, name, rng)]
     for new in sorted(submissions, key=lambda new: new.arrived):
@@ -129,16 +137,28 @@ def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) ->
         sample, ago = files[file], ago * 0.8
         submission = Submission.from_bytes(sample.file.read_bytes(), f"{name}{sample.file.suffix}")
         arrived = time.monotonic() - 86400.0 * ago
-        yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived)
+        yield NewSubmission(
+            uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived
+        )
 
 
 def _made(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
-    """Yield a wrong submission to an assignment whose samples follow from its declaration, and mostly a right one after it."""
+    """Yield a wrong submission to an assignment whose samples follow from its declaration, and mostly a right
+    one after it.
+    """
     right, *others = [sample for sample in assignment.made_samples() if not sample.is_notebook]
     wrong, arrived = others[rng.integers(len(others))], time.monotonic() - 86400.0 * rng.uniform(0.1, 2.0)
     for k, sample in enumerate([wrong, right] if rng.random() < 0.6 else [wrong]):
         submission = Submission.from_bytes(sample.source.encode(), f"{name}.py")
-        yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, None, int(rng.integers(2**48)), arrived + 3600.0 * k)
+        yield NewSubmission(
+            uuid.uuid4(),
+            assignment.slug,
+            name,
+            submission,
+            None,
+            int(rng.integers(2**48)),
+            arrived + 3600.0 * k,
+        )
 
 
 def _draw_names(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:

@@ -19,7 +19,10 @@ from service.sandbox.self_test_job import FORBIDDEN
 from service.settings import Settings
 
 SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and the remedy
-    "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
+    "kernel/apparmor_restrict_unprivileged_userns": (
+        "1",
+        "sysctl kernel.apparmor_restrict_unprivileged_userns=0",
+    ),
     "kernel/unprivileged_userns_clone": ("0", "sysctl kernel.unprivileged_userns_clone=1"),
     "user/max_user_namespaces": ("0", "sysctl user.max_user_namespaces=10000"),
 }
@@ -37,11 +40,19 @@ def _doctor(arguments: argparse.Namespace) -> int:
 
 
 def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
-    """Return the findings as lines, and whether this machine can grade at isolation level ``least`` or stronger."""
+    """Return the findings as lines, and whether this machine can grade at isolation level ``least`` or
+    stronger.
+    """
     machine = platform.machine()
     lines = [
-        f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no system-call filter'}",
-        f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: needs Linux 5.13 and lsm=…,landlock at boot'}",
+        (
+            f"kernel        {platform.release()} on"
+            f" {machine}{'' if machine in MACHINES else ': no system-call filter'}"
+        ),
+        (
+            "Landlock     "
+            f" {f'version {v}' if (v := landlock.version()) else 'missing: needs Linux 5.13 and lsm=…,landlock at boot'}"
+        ),
         f"user          {'root' if os.geteuid() == 0 else os.geteuid()}",
     ]
     available, reason = try_namespaces(allow_root)
@@ -56,7 +67,11 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
     try:
         sandbox.self_test()
     except SystemFault as fault:
-        return [*lines, f"guest         {sandbox.identity or 'did not start'}", f"self-test     {fault}"], False
+        return [
+            *lines,
+            f"guest         {sandbox.identity or 'did not start'}",
+            f"self-test     {fault}",
+        ], False
     finally:
         sandbox.close()
     absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
@@ -65,7 +80,10 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
         f"guest         {sandbox.identity}",
         f"self-test     passed: all {len(FORBIDDEN)} forbidden operations were blocked",
         f"limits        {_limits()}",
-        f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
+        (
+            "packages     "
+            f" {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}"
+        ),
         *(f"              {sentence}" for sentence in absent),
     ], not absent
 
@@ -80,8 +98,12 @@ def _limits() -> str:
 def _advice() -> list[str]:
     found = [do for name, (value, do) in SWITCHES.items() if _read(Path("/proc/sys") / name) == value]
     if Path("/.dockerenv").exists() or Path("/run/.containerenv").exists():
-        more = " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""  # other users get them in a user namespace
-        found.append(f"in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined{more}")
+        more = (
+            " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""
+        )  # other users get them in a user namespace
+        found.append(
+            f"in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined{more}"
+        )
     return found
 
 

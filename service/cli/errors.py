@@ -4,11 +4,28 @@ import sys
 import traceback
 
 SENTENCES = {
-    *("CommandError", "InvalidAssignment", "NoAssignment", "InvalidNotebook", "UnknownExercise", "SystemFault"),
-    *("IsolationUnavailable", "DatabaseUnavailable", "WrongSchema", "BackupError", "BadRoster", "InvalidName", "InvalidPassword"),
+    *(
+        "CommandError",
+        "InvalidAssignment",
+        "NoAssignment",
+        "InvalidNotebook",
+        "UnknownExercise",
+        "SystemFault",
+    ),
+    *(
+        "IsolationUnavailable",
+        "DatabaseUnavailable",
+        "WrongSchema",
+        "BackupError",
+        "BadRoster",
+        "InvalidName",
+        "InvalidPassword",
+    ),
     "OSError",
 }
-"""The exceptions, by name, whose text is a sentence for the user. Importing their modules may itself have failed."""
+"""The exceptions, by name, whose text is a sentence for the user. Importing their modules may itself have
+failed.
+"""
 
 
 class CommandError(ValueError):
@@ -19,11 +36,15 @@ def print_error(error: Exception) -> None:
     """Print a sentence for each error of the user or the machine, or the traceback of any other error."""
     if type(error).__name__ == "ValidationError" and getattr(error, "title", "") == "Settings":
         for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
-            name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")  # an alias has the prefix already
+            name = (
+                "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")
+            )  # an alias has the prefix already
             place = f"POLHODE_{name}: " if name else ""  # an error of several settings names them itself
             print(f"polhode: {place}{wrong['msg'].removeprefix('Value error, ')}", file=sys.stderr)
     elif SENTENCES & {kind.__name__ for kind in type(error).__mro__}:
         named = isinstance(error, OSError) and error.filename is not None and error.strerror
-        print(f"polhode: {error.filename}: {error.strerror}" if named else f"polhode: {error}", file=sys.stderr)  # type: ignore[attr-defined]
+        print(
+            f"polhode: {error.filename}: {error.strerror}" if named else f"polhode: {error}", file=sys.stderr
+        )  # type: ignore[attr-defined]
     else:
         traceback.print_exc()

@@ -30,19 +30,38 @@ if TYPE_CHECKING:
 
 def add_grade(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("files", nargs="+", metavar="FILE", help="file, folder, or pattern such as 'class/**/*.ipynb'")
     parser.add_argument(
-        "--assignment", metavar="SLUG", help="default: the only assignment, or the one whose functions the files define"
+        "files", nargs="+", metavar="FILE", help="file, folder, or pattern such as 'class/**/*.ipynb'"
+    )
+    parser.add_argument(
+        "--assignment",
+        metavar="SLUG",
+        help="default: the only assignment, or the one whose functions the files define",
     )
     add_exercise(parser)
-    parser.add_argument("--seed", type=seed, help="seed of the hidden scenes, as a report gives it; default: random")
-    parser.add_argument("--jobs", type=count, metavar="N", help="grade at most N files at a time; default: one per processor")
-    parser.add_argument("--sweep", action="store_true", help="also chart the function's speed against its accuracy")
-    printed = parser.add_mutually_exclusive_group()
-    printed.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
-    printed.add_argument("--github", action="store_true", help="annotate source lines and write the job summary of GitHub Actions")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="write each report with its figures to DIR, and an overview to DIR/index.html"
+        "--seed", type=seed, help="seed of the hidden scenes, as a report gives it; default: random"
+    )
+    parser.add_argument(
+        "--jobs", type=count, metavar="N", help="grade at most N files at a time; default: one per processor"
+    )
+    parser.add_argument(
+        "--sweep", action="store_true", help="also chart the function's speed against its accuracy"
+    )
+    printed = parser.add_mutually_exclusive_group()
+    printed.add_argument(
+        "--json", action="store_true", help="print the reports as one JSON document and nothing else"
+    )
+    printed.add_argument(
+        "--github",
+        action="store_true",
+        help="annotate source lines and write the job summary of GitHub Actions",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="write each report with its figures to DIR, and an overview to DIR/index.html",
     )
     report_options.add(parser)
     parser.set_defaults(run=_grade)
@@ -63,8 +82,12 @@ def _grade(arguments: argparse.Namespace) -> int:
             assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
         sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
-        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, sizes=sizes)
-        asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
+        wanted = GradeOptions(
+            assignment, seed, report_options.pictures(arguments), arguments.sweep, sizes=sizes
+        )
+        asks = [
+            GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files
+        ]
         folder = _output_dir(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
         with Progress(len(files), escape=report_options.escape(arguments)) as progress:
@@ -91,7 +114,9 @@ def _output_dir(out: Path, files: list[Path]) -> "OutputDir":
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """Collect no garbage in the ``with`` block, nor later what was made there: that would take a quarter of the time of imports."""
+    """Collect no garbage in the ``with`` block, nor later what was made there: that would take a quarter of
+    the time of imports.
+    """
     gc.disable()
     try:
         yield
@@ -102,10 +127,12 @@ def _no_collection() -> Iterator[None]:
 
 @contextmanager
 def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Future[Sandbox]"]]:
-    """Start a guest in namespaces if bubblewrap is installed: it imports its libraries while this process imports its own.
+    """Start a guest in namespaces if bubblewrap is installed: it imports its libraries while this process
+    imports its own.
 
-    Yield a function that begins the self-test of a sandbox with that guest in a thread, and returns the future of the sandbox.
-    Call it only after importing the modules that the thread also needs: two threads cannot import NumPy at once.
+    Yield a function that begins the self-test of a sandbox with that guest in a thread, and returns the
+    future of the sandbox. Call it only after importing the modules that the thread also needs: two threads
+    cannot import NumPy at once.
     """
     from service.sandbox.guest_process import GuestProcess
     from service.sandbox.select import prepare_namespaces
@@ -129,8 +156,12 @@ def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Future[
                 started.result().close()
 
 
-def _self_tested(settings: "Settings | Defaults", prepared: "Isolation | None", first: "GuestProcess | None") -> "Sandbox":
-    """Return a sandbox of the strongest isolation that this machine supports: with the guest ``first``, unless it cannot start."""
+def _self_tested(
+    settings: "Settings | Defaults", prepared: "Isolation | None", first: "GuestProcess | None"
+) -> "Sandbox":
+    """Return a sandbox of the strongest isolation that this machine supports: with the guest ``first``,
+    unless it cannot start.
+    """
     from service.sandbox.result import SystemFault
     from service.sandbox.sandbox import Sandbox
     from service.sandbox.select import choose

@@ -1,7 +1,7 @@
 """The program that Gradescope's run_autograder starts: it grades the submitted file and writes results.json.
 
-After a system fault it writes no results.json. Gradescope then reports that the autograder failed, which is no
-grade, and staff can run it again. Exit codes: 0 with results, 2 without.
+After a system fault it writes no results.json. Gradescope then reports that the autograder failed, which is
+no grade, and staff can run it again. Exit codes: 0 with results, 2 without.
 
 The process that grades is another one. This one imports no library before it has reported how that one ended:
 where memory is short, an import fails.
@@ -22,7 +22,9 @@ ANSWERS = (0, 1)  # exit codes of polhode grade
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Grade the one file in /autograder/submission. ``arguments`` are further options of ``polhode grade``."""
+    """Grade the one file in /autograder/submission. ``arguments`` are further options of ``polhode
+    grade``.
+    """
     results, submission = HOME / "results" / "results.json", HOME / "submission"
     results.unlink(missing_ok=True)
     if not submission.is_dir():
@@ -36,15 +38,29 @@ def main(arguments: Sequence[str]) -> int:
         names = ", ".join(str(file.relative_to(submission)) for file in found)
         several = f"This submission contains {len(found)} .py or .ipynb files: {names}. Submit exactly one."
         _write_refusal(
-            several if found else "This submission contains no .py or .ipynb file. Submit exactly one.", arguments, results
+            several if found else "This submission contains no .py or .ipynb file. Submit exactly one.",
+            arguments,
+            results,
         )
         return 0
-    grade = [sys.executable, "-I", "-m", "service.cli", "grade", str(found[0]), *arguments, "--gradescope", str(results)]
+    grade = [
+        sys.executable,
+        "-I",
+        "-m",
+        "service.cli",
+        "grade",
+        str(found[0]),
+        *arguments,
+        "--gradescope",
+        str(results),
+    ]
     code = subprocess.run(grade, check=False).returncode
     if code in ANSWERS and results.is_file():
         return 0
     results.unlink(missing_ok=True)
-    print(f"polhode: system fault (exit code {code}): this submission was not graded; run the autograder again")
+    print(
+        f"polhode: system fault (exit code {code}): this submission was not graded; run the autograder again"
+    )
     return 2
 
 

@@ -1,4 +1,5 @@
-"""The command ``polhode export``: the autograder zip for Gradescope, with polhode as a wheel built from the running modules.
+"""The command ``polhode export``: the autograder zip for Gradescope, with polhode as a wheel built from the
+running modules.
 
 The modules can come from a checkout or an installed wheel.
 """
@@ -47,18 +48,22 @@ def _gradescope(arguments: argparse.Namespace) -> None:
     select(assignment, arguments.exercise)
     write(arguments.out, bundle(assignment, arguments.exercise))
     points = assignment.max_points(arguments.exercise)
-    print(f"written to {arguments.out}: upload it as the autograder and set the autograder points to {points}")
+    print(
+        f"written to {arguments.out}: upload it as the autograder and set the autograder points to {points}"
+    )
 
 
 def own_wheel(*outside: Path) -> tuple[str, bytes]:
-    """Return the file name and the bytes of the wheel, which are reproducible. Samples, which hold solutions, are
-    left out.
+    """Return the file name and the bytes of the wheel, which are reproducible. Samples, which hold solutions,
+    are left out.
 
     The assignments in the folders ``outside`` are added to the package ``exercises``.
     """
     own = metadata.distribution("polhode")
     info = f"polhode-{own.version}.dist-info"
-    homes = [(Path(package.__path__[0]), package.__name__) for package in (ecp, exercises, reference, service)]
+    homes = [
+        (Path(package.__path__[0]), package.__name__) for package in (ecp, exercises, reference, service)
+    ]
     homes += [(folder, f"exercises/{folder.name}") for folder in outside]
     files = {name: content for home, into in homes for name, content in _files(home, into)}
     files[f"service/cli/{HERE.name}/{LOCK}"] = lock()
@@ -77,20 +82,34 @@ def lock() -> bytes:
 def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
     for path in home.rglob("*"):
         inside = path.relative_to(home)
-        if path.is_file() and not any(part in LEFT_OUT or part.startswith(".") for part in inside.parts) and _is_packaged(path):
+        if (
+            path.is_file()
+            and not any(part in LEFT_OUT or part.startswith(".") for part in inside.parts)
+            and _is_packaged(path)
+        ):
             yield f"{into}/{inside.as_posix()}", path.read_bytes()
 
 
 def _is_packaged(path: Path) -> bool:
     """Return False for a notebook that the declaration beside it does not name: it may contain solutions."""
     declaration = path.parent / DECLARATION
-    return path.suffix != ".ipynb" or (declaration.is_file() and path.name in declaration.read_text(encoding="utf-8"))
+    return path.suffix != ".ipynb" or (
+        declaration.is_file() and path.name in declaration.read_text(encoding="utf-8")
+    )
 
 
 def bundle(assignment: Assignment, numbers: Sequence[str] | None) -> bytes:
-    """Return the zip, byte-for-byte reproducible, that grades the exercises ``numbers`` (None: the attempted ones)."""
-    arguments = ["--assignment", assignment.slug, *(part for number in numbers or () for part in ("--exercise", number))]
-    files = {name: (HERE / name).read_text().replace(MARK, shlex.join(arguments)).encode() for name in SCRIPTS}
+    """Return the zip, byte-for-byte reproducible, that grades the exercises ``numbers`` (None: the attempted
+    ones).
+    """
+    arguments = [
+        "--assignment",
+        assignment.slug,
+        *(part for number in numbers or () for part in ("--exercise", number)),
+    ]
+    files = {
+        name: (HERE / name).read_text().replace(MARK, shlex.join(arguments)).encode() for name in SCRIPTS
+    }
     included = assignment.folder.is_relative_to(Path(exercises.__path__[0]))
     name, wheel = own_wheel(*([] if included else [assignment.folder]))
     return zipped({**files, LOCK: lock(), name: wheel}, runnable=SCRIPTS)

@@ -1,4 +1,6 @@
-"""The settings of ``polhode grade``. Without settings in the environment they need no pydantic, which takes 0.1 s to import."""
+"""The settings of ``polhode grade``. Without settings in the environment they need no pydantic, which takes
+0.1 s to import.
+"""
 
 import os
 from typing import TYPE_CHECKING, Literal, NamedTuple

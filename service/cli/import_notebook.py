@@ -1,4 +1,6 @@
-"""The command ``polhode import-notebook``: make assignments of published notebooks, with their own validation lines."""
+"""The command ``polhode import-notebook``: make assignments of published notebooks, with their own validation
+lines.
+"""
 
 import argparse
 import sys
@@ -14,10 +16,24 @@ from service.cli.scaffolding import CannotScaffold, created
 
 def add_import_notebook(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("notebooks", nargs="+", type=Path, metavar="NOTEBOOK", help="a .ipynb file, or a folder with such files")
-    parser.add_argument("--into", type=Path, metavar="FOLDER", help="where the assignments' folders go (default: the assignments')")
     parser.add_argument(
-        "--modules", type=Path, metavar="FOLDER", help="the course's own modules, which its notebooks import from ecp"
+        "notebooks",
+        nargs="+",
+        type=Path,
+        metavar="NOTEBOOK",
+        help="a .ipynb file, or a folder with such files",
+    )
+    parser.add_argument(
+        "--into",
+        type=Path,
+        metavar="FOLDER",
+        help="where the assignments' folders go (default: the assignments')",
+    )
+    parser.add_argument(
+        "--modules",
+        type=Path,
+        metavar="FOLDER",
+        help="the course's own modules, which its notebooks import from ecp",
     )
     parser.set_defaults(run=_import)
 
@@ -50,4 +66,8 @@ def _import(arguments: argparse.Namespace) -> int:
 def _notebooks(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
-    return sorted(file for file in path.rglob("*.ipynb") if not any(part.startswith(".") for part in file.relative_to(path).parts))
+    return sorted(
+        file
+        for file in path.rglob("*.ipynb")
+        if not any(part.startswith(".") for part in file.relative_to(path).parts)
+    )

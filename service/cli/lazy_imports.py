@@ -1,4 +1,5 @@
-"""Modules that SciPy imports by ``from numpy import *`` and does not use: they take a third of the time of importing scipy.special.
+"""Modules that SciPy imports by ``from numpy import *`` and does not use: they take a third of the time of
+importing scipy.special.
 
 Not for guests: a submission may use them where it may read no files.
 """

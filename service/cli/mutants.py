@@ -1,4 +1,6 @@
-"""The strength of an assignment's checks: wrong versions of its right solutions, and which of them the checks accept."""
+"""The strength of an assignment's checks: wrong versions of its right solutions, and which of them the checks
+accept.
+"""
 
 import argparse
 import ast
@@ -32,7 +34,9 @@ from service.settings import Settings
 SEED = 1
 LIMITS = TimeLimits(cpu_s=3600, wall_s=7200)  # of a scene with all variants of a question
 EQUAL, SIMILAR = 1000.0, 3.0
-"""Numbers are right that deviate by a thousandth of what a check allows, or by three times as much as those of the solution."""
+"""Numbers are right that deviate by a thousandth of what a check allows, or by three times as much as those
+of the solution.
+"""
 
 
 class NoMutants(CommandError):
@@ -41,8 +45,12 @@ class NoMutants(CommandError):
 
 def add_mutants(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
-    parser.add_argument("functions", nargs="*", metavar="FUNCTION", help="of an assignment's own exercises (default: all)")
+    parser.add_argument(
+        "assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)"
+    )
+    parser.add_argument(
+        "functions", nargs="*", metavar="FUNCTION", help="of an assignment's own exercises (default: all)"
+    )
     parser.add_argument("--most", type=count, metavar="N", help="only the first N mutants")
     parser.set_defaults(run=_mutants)
 
@@ -53,7 +61,11 @@ def _mutants(arguments: argparse.Namespace) -> int:
     except (InvalidAssignment, NoAssignment, NoMutants, SystemFault, IsolationUnavailable) as error:
         raise CommandError(f"cannot grade mutants: {error}") from error
     print(table(results), kill_rate(results), sep="\n")
-    kinds = {(True, True): "WRONG, BUT ACCEPTED", (False, True): "right, but rejected", (False, False): "turned out correct"}
+    kinds = {
+        (True, True): "WRONG, BUT ACCEPTED",
+        (False, True): "right, but rejected",
+        (False, False): "turned out correct",
+    }
     for result in results:
         if result.misjudged or not result.wrong:
             print(f"{kinds[result.wrong, result.misjudged]}: {result.mutant.code}, {result.mutant.sentence}")
@@ -77,12 +89,15 @@ class MutantResult:
         return self.wrong == self.accepted
 
 
-def grade_mutants(assignment: Assignment, functions: Sequence[str] = (), most: int | None = None) -> Iterator[MutantResult]:
+def grade_mutants(
+    assignment: Assignment, functions: Sequence[str] = (), most: int | None = None
+) -> Iterator[MutantResult]:
     """Yield the result of each mutant (of the first ``most``).
 
-    The mutants are the generated variants of every question of a declaration, judged by the checks of that question. Those of
-    an assignment's own exercises are variants of right samples of ``functions``, or of all functions that it asks for, graded
-    by one process per core. Raises NoMutants if no right sample defines one of them.
+    The mutants are the generated variants of every question of a declaration, judged by the checks of that
+    question. Those of an assignment's own exercises are variants of right samples of ``functions``, or of all
+    functions that it asks for, graded by one process per core. Raises NoMutants if no right sample defines
+    one of them.
     """
     isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
     if assignment.questions:
@@ -92,17 +107,24 @@ def grade_mutants(assignment: Assignment, functions: Sequence[str] = (), most: i
         yield from _of_samples(assignment, functions, isolation, most)
 
 
-def _of_samples(assignment: Assignment, functions: Sequence[str], isolation: Isolation, most: int | None) -> Iterator[MutantResult]:
+def _of_samples(
+    assignment: Assignment, functions: Sequence[str], isolation: Isolation, most: int | None
+) -> Iterator[MutantResult]:
     sources: dict[str, str] = {}
     for function in functions or dict.fromkeys(scene.function for scene in assignment.scenes):
         if (source := assignment.right_submission(function)) is None:
             raise NoMutants(f"no right submission defines {function}: add a sample right_….py")
         sources[function] = source
-    versions = [(function, variant) for function, source in sources.items() for variant in _versions(function, source)][:most]
+    versions = [
+        (function, variant) for function, source in sources.items() for variant in _versions(function, source)
+    ][:most]
     graded = list(sources.items())
     graded += [(function, variant.source) for function, variant in versions]
     with tempfile.TemporaryDirectory() as folder:
-        requests = [GradeRequest(Path(folder, f"{k}.py"), _calling(assignment, one)) for k, (one, _) in enumerate(graded)]
+        requests = [
+            GradeRequest(Path(folder, f"{k}.py"), _calling(assignment, one))
+            for k, (one, _) in enumerate(graded)
+        ]
         for request, (_, source) in zip(requests, graded, strict=True):
             request.file.write_text(source, encoding="utf-8")
         results = grade_files(requests, GradeOptions(assignment, SEED), isolation)
@@ -119,12 +141,18 @@ def _calling(assignment: Assignment, function: str) -> tuple[str, ...]:
 
 def _versions(function: str, source: str) -> list[Variant]:
     """Return the wrong versions of a sample that change ``function``."""
-    places = [range(n.lineno, (n.end_lineno or 0) + 1) for n in ast.parse(source).body if getattr(n, "name", None) == function]
+    places = [
+        range(n.lineno, (n.end_lineno or 0) + 1)
+        for n in ast.parse(source).body
+        if getattr(n, "name", None) == function
+    ]
     return [variant for variant in variants(source) if any(variant.line in place for place in places)]
 
 
 def _outcomes(graded: GradedFile) -> dict[str, Outcome]:
-    """Return the outcomes of a version by the ids of their checks. Raises SystemFault if it could not be graded."""
+    """Return the outcomes of a version by the ids of their checks. Raises SystemFault if it could not be
+    graded.
+    """
     if graded.report is None:
         raise SystemFault(graded.why)
     return {outcome.id: outcome for outcome in graded.report.outcomes()}
@@ -132,7 +160,9 @@ def _outcomes(graded: GradedFile) -> dict[str, Outcome]:
 
 def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:
     for id in [question["id"] for questions in assignment.questions.values() for question in questions]:
-        right, *variants = [one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared]
+        right, *variants = [
+            one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared
+        ]
         scenes = [s for s in assignment.scenes if s.question is not None and s.question["id"] == id]
         inputs = {s.name: draw_inputs(s, SEED) for s in scenes}
         job = job_of(Submission(""), assignment, scenes, inputs)
@@ -141,9 +171,13 @@ def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult
             exact = scene.truth(inputs[scene.name])
             known = {name: exact[name] for name in scene.known}
             checks = [check for check in assignment.checks() if check.scenes == (scene.name,)]
-            found = play_variants(job, scene.name, list(outcomes), sandbox, budget_s=scene.budget_s, limits=LIMITS)
+            found = play_variants(
+                job, scene.name, list(outcomes), sandbox, budget_s=scene.budget_s, limits=LIMITS
+            )
             for variant, arrays in found.items():
-                outcomes[variant] |= {check.id: check.judge([{**arrays, **known}], [exact]) for check in checks}
+                outcomes[variant] |= {
+                    check.id: check.judge([{**arrays, **known}], [exact]) for check in checks
+                }
         for variant in variants:
             yield _judged(variant, outcomes[variant], outcomes[right])
 
@@ -169,10 +203,13 @@ def kill_rate(found: Sequence[MutantResult]) -> str:
 
 
 def table(found: Sequence[MutantResult]) -> str:
-    """Return a Markdown table: for each kind of mutant the number made, the number that turned out correct, and
-    how many wrong ones polhode accepts.
+    """Return a Markdown table: for each kind of mutant the number made, the number that turned out correct,
+    and how many wrong ones polhode accepts.
     """
-    groups = {kind: [f for f in found if f.mutant.code == kind] for kind in dict.fromkeys(f.mutant.code for f in found)}
+    groups = {
+        kind: [f for f in found if f.mutant.code == kind]
+        for kind in dict.fromkeys(f.mutant.code for f in found)
+    }
     rows = [
         f"| {kind} | {len(of)} | {sum(not f.wrong for f in of)} | {sum(f.wrong and f.accepted for f in of)} |"
         for kind, of in [*groups.items(), ("all", found)]

@@ -1,4 +1,6 @@
-"""Output files of a batch: each written completely or not at all, and a folder of reports with pages to browse."""
+"""Output files of a batch: each written completely or not at all, and a folder of reports with pages to
+browse.
+"""
 
 import json
 import os
@@ -15,7 +17,8 @@ from service.grading.result import GradedFile
 
 
 def write(file: Path, content: str | bytes) -> None:
-    """Write a file completely or not at all: if writing fails, as on a full disk, the previous content remains.
+    """Write a file completely or not at all: if writing fails, as on a full disk, the previous content
+    remains.
 
     Pipes and files in /dev are written in place; a symbolic link is replaced. Undecodable file names in the
     text are escaped.
@@ -41,7 +44,10 @@ class OutputDir:
 
     def __init__(self, path: Path, files: Sequence[Path]) -> None:
         stems, names = Counter(file.stem for file in files), UniqueNames(["index.html"])
-        whole = {f: f.stem if stems[f.stem] == 1 else "_".join(p for p in f.parts if p not in ("/", "..")) for f in files}
+        whole = {
+            f: f.stem if stems[f.stem] == 1 else "_".join(p for p in f.parts if p not in ("/", ".."))
+            for f in files
+        }
         self._path, self._names = path, {file: names.give(name) for file, name in whole.items()}
 
     def add(self, file: GradedFile) -> None:

@@ -19,7 +19,9 @@ from service.store.database import Connection
 
 DAYS, MOST_DAYS = 200.0, 3650.0
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-_days = number(float, lambda days: 0 < days <= MOST_DAYS, detail=f"expected more than 0 and at most {MOST_DAYS:g} days")
+_days = number(
+    float, lambda days: 0 < days <= MOST_DAYS, detail=f"expected more than 0 and at most {MOST_DAYS:g} days"
+)
 
 
 def add_roster(parser: argparse.ArgumentParser) -> None:
@@ -29,8 +31,10 @@ def add_roster(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         type=Path,
         metavar="ROSTER.csv",
-        help="CSV with a header: name; optional: role, full_name, email, student_id; or a roster of Gradescope, Canvas, Moodle "
-        "or PrairieLearn; default: list the people",
+        help=(
+            "CSV with a header: name; optional: role, full_name, email, student_id; or a roster of"
+            " Gradescope, Canvas, Moodle or PrairieLearn; default: list the people"
+        ),
     )
     parser.add_argument(
         "--tokens",
@@ -38,7 +42,9 @@ def add_roster(parser: argparse.ArgumentParser) -> None:
         metavar="TOKENS.csv",
         help="also give each imported person a token to log in with, in this new file, readable only by you",
     )
-    parser.add_argument("--days", type=_days, help=f"with --tokens: days until the tokens expire (default {DAYS:g})")
+    parser.add_argument(
+        "--days", type=_days, help=f"with --tokens: days until the tokens expire (default {DAYS:g})"
+    )
     parser.set_defaults(run=_roster)
 
 
@@ -47,7 +53,9 @@ def add_token(parser: argparse.ArgumentParser) -> None:
     kinds = parser.add_subparsers(dest="kind", required=True)
     give = kinds.add_parser("give", help="create a token for a person and print it; it is shown only once")
     give.add_argument("name", help="user name")
-    give.add_argument("--new", action="store_true", help="add the person to the course as a student if they are not in it")
+    give.add_argument(
+        "--new", action="store_true", help="add the person to the course as a student if they are not in it"
+    )
     give.add_argument("--days", type=_days, default=DAYS, help=f"days until it expires (default {DAYS:g})")
     give.add_argument(
         "--scope",
@@ -86,7 +94,10 @@ def _roster(arguments: argparse.Namespace) -> None:
         _import_roster(arguments)
         return
     rows = in_database(people.everybody)
-    print(table(people.ROSTER, ([getattr(row, column) for column in people.ROSTER] for row in rows), end="\n"), end="")
+    print(
+        table(people.ROSTER, ([getattr(row, column) for column in people.ROSTER] for row in rows), end="\n"),
+        end="",
+    )
 
 
 def _import_roster(arguments: argparse.Namespace) -> None:
@@ -100,7 +111,9 @@ def _import_roster(arguments: argparse.Namespace) -> None:
         names, seconds = [entry.name for entry in entries], (arguments.days or DAYS) * tokens.DAY_S
         await people.enroll(connection, entries)
         rows = (
-            await tokens.create_all(connection, names, label="issued with the roster", scopes=tokens.SCOPES, seconds=seconds)
+            await tokens.create_all(
+                connection, names, label="issued with the roster", scopes=tokens.SCOPES, seconds=seconds
+            )
             if target
             else []
         )
@@ -131,7 +144,9 @@ def _give(arguments: argparse.Namespace) -> None:
         if not arguments.new and not await people.is_member(connection, name):
             return None
         await audit.record(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
-        return await tokens.create(connection, name, label="issued by the course", scopes=scopes, seconds=seconds)
+        return await tokens.create(
+            connection, name, label="issued by the course", scopes=scopes, seconds=seconds
+        )
 
     token = in_transaction(create)
     if token is None:
@@ -145,7 +160,13 @@ def _give(arguments: argparse.Namespace) -> None:
 def _list(arguments: argparse.Namespace) -> None:
     rows = in_database(lambda database: tokens.all_of(database, arguments.name))
     for row in rows:
-        state = "revoked" if row.revoked_at else "expired" if row.expired else f"valid until {row.expires_at:%Y-%m-%d}"
+        state = (
+            "revoked"
+            if row.revoked_at
+            else "expired"
+            if row.expired
+            else f"valid until {row.expires_at:%Y-%m-%d}"
+        )
         used = f"used {row.used_at:%Y-%m-%d}" if row.used_at else "never used"
         print(f"{row.id}  {row.prefix}…  {row.name}  {','.join(row.scopes)}  {state}, {used}  {row.label}")
     if not rows:
@@ -170,15 +191,22 @@ def _revoke(arguments: argparse.Namespace) -> int:
 def _password(arguments: argparse.Namespace) -> int:
     name = people.normalize_name(arguments.name)
     hashed = passwords.hash_password(passwords.normalize(_read_password(name), name))
-    if not in_transaction(lambda connection: credentials.set_password(connection, name, hashed, by=getpass.getuser())):
-        print(f"polhode: no person named {name}: add people with polhode roster or polhode token give --new", file=sys.stderr)
+    if not in_transaction(
+        lambda connection: credentials.set_password(connection, name, hashed, by=getpass.getuser())
+    ):
+        print(
+            f"polhode: no person named {name}: add people with polhode roster or polhode token give --new",
+            file=sys.stderr,
+        )
         return 1
     print(f"the password of {name} is set; all browser sessions of {name} are logged out")
     return 0
 
 
 def _unlink(arguments: argparse.Namespace) -> int:
-    if not in_transaction(lambda connection: credentials.unlink(connection, arguments.name, by=getpass.getuser())):
+    if not in_transaction(
+        lambda connection: credentials.unlink(connection, arguments.name, by=getpass.getuser())
+    ):
         print(f"polhode: {arguments.name} has no linked OpenID account", file=sys.stderr)
         return 1
     print(f"the OpenID account of {arguments.name} is unlinked")

@@ -1,5 +1,5 @@
-"""The command ``polhode plan``: event-by-event simulation of how long students wait at a deadline, with the queue order of
-``service.store.queue``.
+"""The command ``polhode plan``: event-by-event simulation of how long students wait at a deadline, with the
+queue order of ``service.store.queue``.
 
 Each student sends each submission at a random time, independent of the others and of any result. The times
 before the deadline are uniform; with ``rush`` their density grows linearly from zero to the deadline. Each
@@ -35,36 +35,66 @@ def add_plan(parser: argparse.ArgumentParser) -> None:
     asked = parser.add_mutually_exclusive_group(required=True)
     asked.add_argument("--students", type=int, metavar="N", help="number of students")
     asked.add_argument(
-        "--chart", type=Path, metavar="FILE.svg", help="draw the cost per submission for 300 to 100 000 students; needs --p99"
+        "--chart",
+        type=Path,
+        metavar="FILE.svg",
+        help="draw the cost per submission for 300 to 100 000 students; needs --p99",
     )
     parser.add_argument(
-        "--minutes", type=float, required=True, metavar="M", help="minutes before the deadline in which they submit"
+        "--minutes",
+        type=float,
+        required=True,
+        metavar="M",
+        help="minutes before the deadline in which they submit",
     )
-    parser.add_argument("--workers", type=int, metavar="W", help="number of workers, each grading one submission at a time")
     parser.add_argument(
-        "--p99", type=float, metavar="SECONDS", help="find the number of workers that keeps 99 of 100 waits below this"
+        "--workers", type=int, metavar="W", help="number of workers, each grading one submission at a time"
     )
-    parser.add_argument("--notebook", action="store_true", help="students submit whole notebooks; default: one exercise")
-    parser.add_argument("--submissions", type=int, default=3, metavar="K", help="submissions per student (default 3)")
     parser.add_argument(
-        "--rush", action="store_true", help="submissions per minute grow linearly towards the deadline; default: constant"
+        "--p99",
+        type=float,
+        metavar="SECONDS",
+        help="find the number of workers that keeps 99 of 100 waits below this",
+    )
+    parser.add_argument(
+        "--notebook", action="store_true", help="students submit whole notebooks; default: one exercise"
+    )
+    parser.add_argument(
+        "--submissions", type=int, default=3, metavar="K", help="submissions per student (default 3)"
+    )
+    parser.add_argument(
+        "--rush",
+        action="store_true",
+        help="submissions per minute grow linearly towards the deadline; default: constant",
     )
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the simulation (default 0)")
     parser.set_defaults(run=_plan)
 
 
 def _plan(arguments: argparse.Namespace) -> None:
-    given = {name: getattr(arguments, name) for name in ("students", "minutes", "submissions", "rush", "seed")}
+    given = {
+        name: getattr(arguments, name) for name in ("students", "minutes", "submissions", "rush", "seed")
+    }
     if arguments.chart:
         if arguments.p99 is None or arguments.workers is not None or arguments.notebook:
-            raise CommandError("--chart finds the workers for exercises and for notebooks: give --p99, not --workers or --notebook")
-        deadlines = [Deadline(**given | {"students": CLASSES[0], "workers": 1, "seconds": measured(kind)}) for kind in KINDS]
-        arguments.chart.write_bytes(draw_costs([costs(one, arguments.p99) for one in deadlines], deadlines, arguments.p99))
+            raise CommandError(
+                "--chart finds the workers for exercises and for notebooks: give --p99, not --workers or"
+                " --notebook"
+            )
+        deadlines = [
+            Deadline(**given | {"students": CLASSES[0], "workers": 1, "seconds": measured(kind)})
+            for kind in KINDS
+        ]
+        arguments.chart.write_bytes(
+            draw_costs([costs(one, arguments.p99) for one in deadlines], deadlines, arguments.p99)
+        )
         return
     if arguments.workers is None and arguments.p99 is None:
         raise CommandError("nothing to simulate: give --workers, --p99 or both")
     seconds = measured("notebook" if arguments.notebook else "exercise")
-    deadline = Deadline(workers=1 if arguments.workers is None else arguments.workers, seconds=seconds, **given)
+    deadline = Deadline(
+        workers=1 if arguments.workers is None else arguments.workers, seconds=seconds, **given
+    )
     if arguments.workers is not None:
         print(table(simulate(deadline)))
     if arguments.p99 is not None:
@@ -75,7 +105,8 @@ def _plan(arguments: argparse.Namespace) -> None:
 
 @dataclass(frozen=True)
 class Deadline:
-    """The parameters of a simulation; ``seconds`` are the grading times to draw from, by default those of one exercise.
+    """The parameters of a simulation; ``seconds`` are the grading times to draw from, by default those of one
+    exercise.
 
     Raises CommandError listing all values that are out of range.
     """
@@ -89,22 +120,30 @@ class Deadline:
     seconds: tuple[float, ...] = field(default_factory=lambda: measured("exercise"), repr=False)
 
     def __post_init__(self) -> None:
-        if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
+        if wrong := [
+            name
+            for name in ("students", "minutes", "workers", "submissions")
+            if not 0 < getattr(self, name) < np.inf
+        ]:
             *others, last = [f"--{name}" for name in wrong]
             raise CommandError(f"{', '.join(others)}{' and ' if others else ''}{last} must be more than 0")
         if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
-            raise CommandError(f"the simulation is too large: at most {MOST} submissions and {YEAR_MIN} minutes")
+            raise CommandError(
+                f"the simulation is too large: at most {MOST} submissions and {YEAR_MIN} minutes"
+            )
 
 
 def measured(kind: str) -> tuple[float, ...]:
-    """Return the measured grading times (s) of ``kind``: "exercise" (one exercise) or "notebook" (a whole notebook)."""
+    """Return the measured grading times (s) of ``kind``: "exercise" (one exercise) or "notebook" (a whole
+    notebook).
+    """
     return tuple(json.loads(MEASURED.read_text())[kind]["seconds"])
 
 
 @dataclass(frozen=True)
 class Arrivals:
-    """Submissions in order of arrival, each array (n,): time of acceptance (s), person, number of the person's
-    submission (from 1), and grading time (s).
+    """Submissions in order of arrival, each array (n,): time of acceptance (s), person, number of the
+    person's submission (from 1), and grading time (s).
     """
 
     accepted: NDArray[np.float64]
@@ -117,10 +156,11 @@ class Arrivals:
 class WaitStatistics:
     """Statistics of the waits.
 
-    ``waits`` holds quantiles of the seconds from acceptance to start, for all submissions, each student's first
-    and each student's last. ``longest_queue`` is the largest number of waiting submissions. ``emptied_s`` is
-    the time (s) from the deadline until the queue is empty, 0 if it was empty before. ``utilisation`` is the
-    share of the workers' time spent on submissions, until the deadline or the last result, whichever is later.
+    ``waits`` holds quantiles of the seconds from acceptance to start, for all submissions, each student's
+    first and each student's last. ``longest_queue`` is the largest number of waiting submissions.
+    ``emptied_s`` is the time (s) from the deadline until the queue is empty, 0 if it was empty before.
+    ``utilisation`` is the share of the workers' time spent on submissions, until the deadline or the last
+    result, whichever is later.
     """
 
     waits: dict[str, dict[str, float]]
@@ -167,15 +207,27 @@ def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
     """Return the start time of each submission (n,) in seconds: lowest rank first, within a rank in order of
     entering it.
 
-    A submission's rank is the number of its student's earlier unfinished submissions. It is set on acceptance,
-    and again after each result of that student for the oldest waiting submission with a rank above 0. A result
-    precedes an arrival at the same time.
+    A submission's rank is the number of its student's earlier unfinished submissions. It is set on
+    acceptance, and again after each result of that student for the oldest waiting submission with a rank
+    above 0. A result precedes an arrival at the same time.
     """
-    person, service, begun = arrivals.person.tolist(), arrivals.service.tolist(), np.empty(len(arrivals.person))
-    events = [(moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())]  # (time, is an arrival, submission)
+    person, service, begun = (
+        arrivals.person.tolist(),
+        arrivals.service.tolist(),
+        np.empty(len(arrivals.person)),
+    )
+    events = [
+        (moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())
+    ]  # (time, is an arrival, submission)
     unfinished: dict[int, list[int]] = {one: [] for one in person}  # oldest first
-    rank, place, places = [0] * len(events), [0] * len(events), count()  # a submission that does not wait has rank 0
-    queue: list[tuple[int, int, int]] = []  # (rank, place, submission); void if the submission's place has changed
+    rank, place, places = (
+        [0] * len(events),
+        [0] * len(events),
+        count(),
+    )  # a submission that does not wait has rank 0
+    queue: list[
+        tuple[int, int, int]
+    ] = []  # (rank, place, submission); void if the submission's place has changed
     while events:
         now, arrives, one = heappop(events)
         mine = unfinished[person[one]]
@@ -196,13 +248,22 @@ def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
     return begun
 
 
-def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadline_s: float) -> WaitStatistics:
-    """Return the statistics of simulated or measured waits. ``begun`` (n,) are the start times, ``deadline_s`` is
-    the deadline, in seconds.
+def summary(
+    arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadline_s: float
+) -> WaitStatistics:
+    """Return the statistics of simulated or measured waits. ``begun`` (n,) are the start times,
+    ``deadline_s`` is the deadline, in seconds.
     """
     waits, last = begun - arrivals.accepted, int(arrivals.turn.max())
-    chosen = {"all": waits, "students' first": waits[arrivals.turn == 1], f"students' no. {last}": waits[arrivals.turn == last]}
-    quantiles = {name: {q: float(np.quantile(those, share)) for q, share in QUANTILES.items()} for name, those in chosen.items()}
+    chosen = {
+        "all": waits,
+        "students' first": waits[arrivals.turn == 1],
+        f"students' no. {last}": waits[arrivals.turn == last],
+    }
+    quantiles = {
+        name: {q: float(np.quantile(those, share)) for q, share in QUANTILES.items()}
+        for name, those in chosen.items()
+    }
     moments = np.concatenate([begun, arrivals.accepted])  # at equal times a start precedes an arrival
     queue = np.cumsum(np.repeat([-1, 1], len(begun))[np.argsort(moments, kind="stable")])
     busy = float(arrivals.service.sum()) / workers / max(deadline_s, float((begun + arrivals.service).max()))
@@ -211,16 +272,20 @@ def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadli
 
 def table(waiting: WaitStatistics) -> str:
     """Return the statistics as a table for a terminal."""
-    rows = {"seconds waited": [*QUANTILES]} | {n: [f"{s:.1f}" for s in row.values()] for n, row in waiting.waits.items()}
+    rows = {"seconds waited": [*QUANTILES]} | {
+        n: [f"{s:.1f}" for s in row.values()] for n, row in waiting.waits.items()
+    }
     lines = [f"{name:20}" + "".join(f"{cell:>9}" for cell in cells) for name, cells in rows.items()]
     lines.append(f"longest queue {waiting.longest_queue}, workers {waiting.utilisation:.0%} busy")
     return "\n".join([*lines, f"queue empty {waiting.emptied_s:.0f} s after the deadline"])
 
 
 def costs(deadline: Deadline, p99_s: float) -> list[tuple[int, int, float]]:
-    """Return students, workers, and core-seconds per submission until the queue is empty, for each size in CLASSES.
+    """Return students, workers, and core-seconds per submission until the queue is empty, for each size in
+    CLASSES.
 
-    The workers are the fewest that keep the 99th percentile of the waits at or below ``p99_s`` seconds. Raises CommandError.
+    The workers are the fewest that keep the 99th percentile of the waits at or below ``p99_s`` seconds.
+    Raises CommandError.
     """
     found = []
     for students in CLASSES:
@@ -231,8 +296,12 @@ def costs(deadline: Deadline, p99_s: float) -> list[tuple[int, int, float]]:
     return found
 
 
-def draw_costs(found: Sequence[list[tuple[int, int, float]]], deadlines: Sequence[Deadline], p99_s: float) -> bytes:
-    """Draw the ``costs`` of the ``deadlines``, one for each of KINDS, against the class size, log-log, as SVG."""
+def draw_costs(
+    found: Sequence[list[tuple[int, int, float]]], deadlines: Sequence[Deadline], p99_s: float
+) -> bytes:
+    """Draw the ``costs`` of the ``deadlines``, one for each of KINDS, against the class size, log-log, as
+    SVG.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator
@@ -243,18 +312,37 @@ def draw_costs(found: Sequence[list[tuple[int, int, float]]], deadlines: Sequenc
     FigureCanvasAgg(canvas)
     axes = canvas.add_axes((0.08, 0.12, 0.72, 0.76))
     first = deadlines[0]
-    for rows, deadline, what, color, up in zip(found, deadlines, KINDS.values(), COLORS, (-14, 7), strict=True):
+    for rows, deadline, what, color, up in zip(
+        found, deadlines, KINDS.values(), COLORS, (-14, 7), strict=True
+    ):
         mean = float(np.mean(deadline.seconds))
         axes.loglog([row[0] for row in rows], [row[2] for row in rows], marker="o", color=color)
         axes.axhline(mean, color=color, lw=0.8, ls=":")
         for students, workers, cost in rows:
-            axes.annotate(f"{workers}", (students, cost), (0, up), textcoords="offset points", ha="center", fontsize=9, color=color)
+            axes.annotate(
+                f"{workers}",
+                (students, cost),
+                (0, up),
+                textcoords="offset points",
+                ha="center",
+                fontsize=9,
+                color=color,
+            )
         label = f"{what}:\n{rows[-1][2]:.2g} core-s, of which\n{mean:.2g} s grading (dotted)"
-        axes.text(1.02, rows[-1][2], label, transform=axes.get_yaxis_transform(), color=color, va="center", fontsize=9)
+        axes.text(
+            1.02,
+            rows[-1][2],
+            label,
+            transform=axes.get_yaxis_transform(),
+            color=color,
+            va="center",
+            fontsize=9,
+        )
     minutes = f"{first.minutes:g} min{', ever more towards the deadline' if first.rush else ''}"
     axes.set(xlabel="students", ylabel="reserved core-seconds per submission")
     axes.set_title(
-        f"{first.submissions} submissions each in {minutes}; 99 % wait at most {p99_s:g} s\n(numbers: workers, one core each)"
+        f"{first.submissions} submissions each in {minutes}; 99 % wait at most {p99_s:g} s\n(numbers:"
+        " workers, one core each)"
     )
     axes.set_xticks(CLASSES, [f"{students:,}".replace(",", "\u202f") for students in CLASSES])
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))

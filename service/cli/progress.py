@@ -17,19 +17,25 @@ class Progress:
     """Progress of ``total`` files; the status line counts the good ones as ``kind``.
 
     The status line goes to standard error, and only to a terminal. ``escape`` is applied to all printed text
-    where a line could be a workflow command. All text then goes to standard output, because escaping opened on
-    one stream could be closed on the other.
+    where a line could be a workflow command. All text then goes to standard output, because escaping opened
+    on one stream could be closed on the other.
     """
 
     def __init__(self, total: int, kind: str = "all ✓", escape: Callable[[str], str] | None = None) -> None:
         self._total, self._kind, self._escape, self._done, self._good = total, kind, escape, 0, 0
-        self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
+        self._live, self._began, self._lock = (
+            total > 1 and sys.stderr.isatty(),
+            time.monotonic(),
+            threading.Lock(),
+        )
 
     def __enter__(self) -> "Progress":
         self._draw()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._clear()
 
     def update(self, done: int) -> None:
@@ -52,7 +58,11 @@ class Progress:
             self._clear()
             self._good += good
             if text:
-                print(self._escape(text) if self._escape else text, file=None if self._escape else to, flush=True)
+                print(
+                    self._escape(text) if self._escape else text,
+                    file=None if self._escape else to,
+                    flush=True,
+                )
             self._draw()
 
     def _draw(self) -> None:

@@ -12,7 +12,13 @@ from service.settings import Settings
 def add_publish(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("slug", metavar="SLUG", help="slug of the assignment")
-    parser.add_argument("--into", type=Path, default=Path(), metavar="FOLDER", help="folder of the file (default: this folder)")
+    parser.add_argument(
+        "--into",
+        type=Path,
+        default=Path(),
+        metavar="FOLDER",
+        help="folder of the file (default: this folder)",
+    )
     parser.add_argument("--server", metavar="URL", help="address of the course server (POLHODE_PUBLIC_URL)")
     parser.set_defaults(run=_publish)
 
@@ -22,8 +28,12 @@ def _publish(arguments: argparse.Namespace) -> None:
     address = (arguments.server or Settings().public_url or "").rstrip("/")
     file = arguments.into / f"{assignment.slug}.ipynb"
     if not address:
-        raise CommandError("the notebook needs the address of the course server: give --server URL or set POLHODE_PUBLIC_URL")
+        raise CommandError(
+            "the notebook needs the address of the course server: give --server URL or set POLHODE_PUBLIC_URL"
+        )
     if arguments.into.resolve() == assignment.folder.resolve():
-        raise CommandError(f"{file} would lie beside the author's notebook: choose another folder with --into")
+        raise CommandError(
+            f"{file} would lie beside the author's notebook: choose another folder with --into"
+        )
     write(file, wheel.notebook(assignment, address, f"{address}/kit/{wheel.filename(assignment.slug)}"))
     print(f"written to {file}")

@@ -28,17 +28,27 @@ def add_queue(parser: argparse.ArgumentParser) -> None:
 def add_regrade(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("ids", nargs="*", type=UUID, metavar="ID", help="submissions to grade again")
-    parser.add_argument("--faults", action="store_true", help="select all submissions without a report because of a system fault")
+    parser.add_argument(
+        "--faults",
+        action="store_true",
+        help="select all submissions without a report because of a system fault",
+    )
     parser.add_argument("--all", action="store_true", help="select all submissions that are not being graded")
     parser.set_defaults(run=_regrade)
 
 
 def add_assign(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.argument_default = argparse.SUPPRESS  # distinguishes an option that is not given from one that removes a limit
+    parser.argument_default = (
+        argparse.SUPPRESS
+    )  # distinguishes an option that is not given from one that removes a limit
     parser.add_argument("slug", help="slug of the assignment")
     parser.add_argument(
-        "--due", dest="due_at", type=_moment, metavar="TIME", help="deadline, such as 2026-12-01T12:00+01:00; none: no deadline"
+        "--due",
+        dest="due_at",
+        type=_moment,
+        metavar="TIME",
+        help="deadline, such as 2026-12-01T12:00+01:00; none: no deadline",
     )
     parser.add_argument(
         "--grace",
@@ -48,7 +58,11 @@ def add_assign(parser: argparse.ArgumentParser) -> None:
         help="accept submissions this long after the deadline, marked late; 0: no grace period",
     )
     parser.add_argument(
-        "--most", dest="submission_limit", type=_limit, metavar="N", help="submissions per student; none: unlimited"
+        "--most",
+        dest="submission_limit",
+        type=_limit,
+        metavar="N",
+        help="submissions per student; none: unlimited",
     )
     parser.add_argument(
         "--weight",
@@ -71,17 +85,24 @@ def _queue(arguments: argparse.Namespace) -> None:
 
 def show(queue: QueueSnapshot) -> str:
     """Return the queue as a table for a terminal."""
-    lines = [f"{w.n:6} {w.kind} waiting, the first for {w.waited_s:.1f} s" for w in queue.waiting] or ["the queue is empty"]
+    lines = [f"{w.n:6} {w.kind} waiting, the first for {w.waited_s:.1f} s" for w in queue.waiting] or [
+        "the queue is empty"
+    ]
     lines += ["", f"{'worker':28} {'running':>8} {'last seen':>9}  {'step':24} submission"]
     for g in queue.going:
         step = f"{g.phase} {g.scene}/{g.scenes}" if g.scenes else g.phase
-        lines.append(f"{g.worker:28} {g.running_s:6.1f} s {g.silent_s:7.1f} s  {step:24} {g.person} {g.submission} ({g.kind})")
+        lines.append(
+            f"{g.worker:28} {g.running_s:6.1f} s {g.silent_s:7.1f} s  {step:24} {g.person} {g.submission}"
+            f" ({g.kind})"
+        )
     busy = {g.worker for g in queue.going}
     for w in queue.workers:
         if w.name not in busy:
             state = f"not grading: {w.unavailable_reason}" if w.unavailable_reason else "idle"
             lines.append(f"{w.name:28} {'':8} {w.silent_s:7.1f} s  {state}")
-    lines += [f"fault   {f.submission}  {f.person}  {f.finished_at:%Y-%m-%d %H:%M}  {f.fault}" for f in queue.faults]
+    lines += [
+        f"fault   {f.submission}  {f.person}  {f.finished_at:%Y-%m-%d %H:%M}  {f.fault}" for f in queue.faults
+    ]
     return "\n".join(lines)
 
 
@@ -92,17 +113,24 @@ def _regrade(arguments: argparse.Namespace) -> None:
     count = in_database(lambda database: regrade(database, which, getpass.getuser()))
     print(f"queued for regrading: {count}")
     if arguments.ids and count < (wanted := len(set(arguments.ids))):
-        raise CommandError(f"{wanted - count} of {wanted} submissions were not queued: they do not exist or are being graded")
+        raise CommandError(
+            f"{wanted - count} of {wanted} submissions were not queued: they do not exist or are being graded"
+        )
 
 
 def _assign(arguments: argparse.Namespace) -> None:
     changes = {name: value for name, value in vars(arguments).items() if name in RULES}
     rules = in_database(lambda database: change_rules(database, arguments.slug, changes, getpass.getuser()))
     if rules is None:
-        raise CommandError(f"the database has no assignment {arguments.slug}: polhode assignments lists the known ones")
+        raise CommandError(
+            f"the database has no assignment {arguments.slug}: polhode assignments lists the known ones"
+        )
     due = f"due {rules.due_at.astimezone(UTC).isoformat()}" if rules.due_at else "no deadline"
     limit = rules.submission_limit or "unlimited"
-    print(f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student, weight {rules.weight:g}")
+    print(
+        f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student, weight"
+        f" {rules.weight:g}"
+    )
 
 
 def _moment(text: str) -> datetime | None:
@@ -111,7 +139,9 @@ def _moment(text: str) -> datetime | None:
     try:
         moment = datetime.fromisoformat(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"expected a time such as 2026-12-01T12:00+01:00, or none, got {text}") from None
+        raise argparse.ArgumentTypeError(
+            f"expected a time such as 2026-12-01T12:00+01:00, or none, got {text}"
+        ) from None
     if moment.tzinfo is None:
         raise argparse.ArgumentTypeError(f"{text} has no time zone: append one such as +01:00 or Z")
     if not 2000 <= moment.year < 3000:

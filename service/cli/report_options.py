@@ -31,8 +31,14 @@ def add(grade: argparse.ArgumentParser) -> None:
     """Add the options to the parser."""
     grade.add_argument("--junit", type=Path, metavar="FILE", help="write the reports as JUnit XML")
     grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
-    grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write Gradescope's results.json (for one file only)")
-    grade.add_argument("--hidden", choices=VISIBILITIES, help="with --gradescope: visibility of hidden checks (default visible)")
+    grade.add_argument(
+        "--gradescope", type=Path, metavar="FILE", help="write Gradescope's results.json (for one file only)"
+    )
+    grade.add_argument(
+        "--hidden",
+        choices=VISIBILITIES,
+        help="with --gradescope: visibility of hidden checks (default visible)",
+    )
     grade.add_argument(
         "--max-score",
         type=number(float, lambda n: 0 < n < math.inf, detail="expected a number above 0"),
@@ -40,7 +46,10 @@ def add(grade: argparse.ArgumentParser) -> None:
         help="with --gradescope: points of all checks together; default: the sum of their points",
     )
     grade.add_argument(
-        "--classroom50", type=Path, metavar="FILE", help="write Classroom 50's result.json (for one file, in its runner)"
+        "--classroom50",
+        type=Path,
+        metavar="FILE",
+        help="write Classroom 50's result.json (for one file, in its runner)",
     )
 
 
@@ -50,8 +59,12 @@ def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
 
 
 def escape(arguments: argparse.Namespace) -> Callable[[str], str] | None:
-    """Return a function that keeps GitHub Actions from reading printed lines as commands; None outside GitHub Actions."""
-    in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"  # for example in pre-commit's hook
+    """Return a function that keeps GitHub Actions from reading printed lines as commands; None outside GitHub
+    Actions.
+    """
+    in_actions = (
+        arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"
+    )  # for example in pre-commit's hook
     if not in_actions:
         return None
     from service.formats.github import escape_commands
@@ -70,7 +83,9 @@ class ReportFiles:
         self._arguments = arguments
         self._about: SubmissionInfo | None = None
         if not arguments.gradescope and (arguments.hidden or arguments.max_score):
-            raise CommandError("--hidden and --max-score apply to Gradescope's results: give --gradescope FILE too")
+            raise CommandError(
+                "--hidden and --max-score apply to Gradescope's results: give --gradescope FILE too"
+            )
         for form in ("gradescope", "classroom50"):
             if getattr(arguments, form) and len(files) != 1:
                 raise CommandError(f"--{form} takes one file, got {len(files)}")
@@ -112,7 +127,10 @@ class ReportFiles:
             results = gradescope.document(graded[0], assignment, max_score=arguments.max_score, hidden=hidden)
             yield arguments.gradescope, json.dumps(results, indent=1)
         if self._about:
-            yield arguments.classroom50, json.dumps(classroom50.document(graded[0], assignment, self._about), indent=1)
+            yield (
+                arguments.classroom50,
+                json.dumps(classroom50.document(graded[0], assignment, self._about), indent=1),
+            )
 
 
 def _write_github(graded: Sequence["GradedFile"], assignment: "Assignment") -> None:

@@ -1,8 +1,10 @@
-"""A program for ``polhode verify``: run a published notebook with each of several solutions and print what ``ecp.check`` finds.
+"""A program for ``polhode verify``: run a published notebook with each of several solutions and print what
+``ecp.check`` finds.
 
-It runs apart from polhode, with the students' kit. Arguments: the folder of the kit, and a JSON file with the notebook's
-``statements`` (source, cell number, whether it defines a solution) and the ``samples`` (name, source and exercises). Prints a line
-of JSON for each sample: the verdict and line of each check by its id, or the ``error`` that a cell raised.
+It runs apart from polhode, with the students' kit. Arguments: the folder of the kit, and a JSON file with the
+notebook's ``statements`` (source, cell number, whether it defines a solution) and the ``samples`` (name,
+source and exercises). Prints a line of JSON for each sample: the verdict and line of each check by its id, or
+the ``error`` that a cell raised.
 """
 
 import contextlib
@@ -37,7 +39,12 @@ def _run(statements: list[dict[str, Any]], slug: str, sample: dict[str, Any]) ->
         try:
             for statement in statements:
                 place = statement["cell"]
-                exec(compile(sample["source"] if statement["solution"] else statement["source"], place, "exec"), names)
+                exec(
+                    compile(
+                        sample["source"] if statement["solution"] else statement["source"], place, "exec"
+                    ),
+                    names,
+                )
             place = "ecp.check"
             names["slug"], names["asked"] = slug, sample["ask"]
             exec("report = ecp.check(*asked, assignment=slug)", names)

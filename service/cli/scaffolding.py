@@ -1,4 +1,6 @@
-"""The commands ``polhode assignments`` and ``new-assignment``, which copies the template with another title."""
+"""The commands ``polhode assignments`` and ``new-assignment``,
+which copies the template with another title.
+"""
 
 import argparse
 import keyword
@@ -28,10 +30,15 @@ def add_assignments(parser: argparse.ArgumentParser) -> None:
 
 def add_new_assignment(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("slug", metavar="SLUG", help="lower-case letters, digits and single dashes, such as driven-pendulum")
+    parser.add_argument(
+        "slug", metavar="SLUG", help="lower-case letters, digits and single dashes, such as driven-pendulum"
+    )
     parser.add_argument("--title", help="title for students; default: the slug's words")
     parser.add_argument(
-        "--into", type=Path, metavar="FOLDER", help="parent folder; default: where this installation looks for assignments"
+        "--into",
+        type=Path,
+        metavar="FOLDER",
+        help="parent folder; default: where this installation looks for assignments",
     )
     parser.set_defaults(run=_new)
 
@@ -53,14 +60,18 @@ def _new(arguments: argparse.Namespace) -> None:
     try:
         if into is None:
             raise CannotScaffold(
-                f"cannot write into the installed package: give --into FOLDER, and set {catalogue.SETTING} to FOLDER"
+                f"cannot write into the installed package: give --into FOLDER, and set {catalogue.SETTING} to"
+                " FOLDER"
             )
         folder = scaffold(slug, title, into)
     except (CannotScaffold, OSError) as error:
         raise CommandError(f"{error}; nothing was created") from error
     print(f"created {folder}")
     if folder.resolve() not in [known.resolve() for known in catalogue.folders()]:
-        print(f"to make it known to the other commands and the server: export {catalogue.SETTING}={into.resolve()}")
+        print(
+            "to make it known to the other commands and the server: export"
+            f" {catalogue.SETTING}={into.resolve()}"
+        )
     print(f"next: polhode verify {folder}")
 
 
@@ -72,13 +83,15 @@ def scaffold(slug: str, title: str, into: Path) -> Path:
 
 
 def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Path:
-    """Create the folder of an assignment with these ``files`` within ``into``, completely or not at all, and return it.
+    """Create the folder of an assignment with these ``files`` within ``into``, completely or not at all, and
+    return it.
 
     Raises CannotScaffold for an invalid or taken slug or title, OSError if writing fails.
     """
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", slug) or len(slug) > LONGEST:
         raise CannotScaffold(
-            f"invalid slug {slug!r}: use lower-case letters and digits, with single dashes between words, such as driven-pendulum"
+            f"invalid slug {slug!r}: use lower-case letters and digits, with single dashes between words,"
+            " such as driven-pendulum"
         )
     if keyword.iskeyword(slug):
         raise CannotScaffold(f"invalid slug {slug}: it is a Python keyword")
@@ -88,10 +101,14 @@ def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Pa
         raise CannotScaffold(f"invalid title: use one line of at most {MOST_TITLE} printable characters")
     name = slug.replace("-", "_")
     goal = into / name
-    if goal.is_symlink() or goal.exists() or goal.with_suffix(".py").exists():  # also a broken link, or a module of that name
+    if (
+        goal.is_symlink() or goal.exists() or goal.with_suffix(".py").exists()
+    ):  # also a broken link, or a module of that name
         raise CannotScaffold(f"{goal} already exists")
     into.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".new-assignment-", dir=into) as made:  # hidden, so that it is not discovered
+    with tempfile.TemporaryDirectory(
+        prefix=".new-assignment-", dir=into
+    ) as made:  # hidden, so that it is not discovered
         folder = Path(made) / name
         folder.mkdir()
         for file, content in files.items():

@@ -31,7 +31,10 @@ from service.workers.supervisor import Supervisor
 
 BACKLOG = 4096  # connections that wait in the kernel to be accepted
 CLOSE_S = 2  # seconds that a stopping server leaves to open responses, such as event streams
-POLL_S, WORKERS_S = 0.2, 30.0  # how often the start looks for workers, and when it reports that there are none
+POLL_S, WORKERS_S = (
+    0.2,
+    30.0,
+)  # how often the start looks for workers, and when it reports that there are none
 NO_WORKER = "no worker is running, so submissions wait: start one with polhode worker"
 
 
@@ -43,7 +46,11 @@ def add_serve(parser: argparse.ArgumentParser) -> None:
 
 
 def _serve(arguments: argparse.Namespace) -> int:
-    return serve(Settings(**{name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}))
+    return serve(
+        Settings(
+            **{name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}
+        )
+    )
 
 
 def serve(settings: Settings) -> int:
@@ -60,7 +67,8 @@ def serve(settings: Settings) -> int:
         supervisor.begin()
         settings = settings.model_copy(update={"database_url": supervisor.url})
         server = http_server(settings, supervisor.find_loss, announce=True)
-        gc.freeze()  # else each full collection stops the event loop for 0.2 s to look at what the imports created
+        # else each full collection stops the event loop for 0.2 s to look at what the imports created
+        gc.freeze()
         server.run(sockets=[listening])
         return 0 if server.started else 2
     except (oidc.NotInstalled, DatabaseUnavailable, WrongSchema, DBAPIError, OSError) as error:
@@ -105,12 +113,19 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         for listening in sockets or ():
-            listening.listen(BACKLOG)  # uvicorn's own backlog is also the number of connections accepted in one go
+            listening.listen(
+                BACKLOG
+            )  # uvicorn's own backlog is also the number of connections accepted in one go
         if self.started and self._announce:
             assert isinstance(self.config.app, FastAPI)
             places = [one.getsockname()[:2] for one in sockets or ()]
-            _print(f"listening on {', '.join(f'http://[{h}]:{p}' if ':' in h else f'http://{h}:{p}' for h, p in places)}")
-            self._announcement = asyncio.create_task(_announce_isolation(self.config.app.state.held[WorkerStatus]))
+            _print(
+                "listening on"
+                f" {', '.join(f'http://[{h}]:{p}' if ':' in h else f'http://{h}:{p}' for h, p in places)}"
+            )
+            self._announcement = asyncio.create_task(
+                _announce_isolation(self.config.app.state.held[WorkerStatus])
+            )
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         if self._announcement is not None:

@@ -17,7 +17,8 @@ CPU_FACTOR = 5  # a grading's limit of CPU time, in units of what the right solu
 
 @dataclass
 class Tally:
-    """Counts over the samples of an assignment, with the checks made, the checks that failed and the diagnosis codes named.
+    """Counts over the samples of an assignment, with the checks made, the checks that failed and the
+    diagnosis codes named.
 
     ``cpu_s`` is the most CPU time in seconds that grading a right sample used.
     """
@@ -43,7 +44,9 @@ class Tally:
 
 
 def differences(sample: Sample, graded: GradedFile) -> Iterator[str]:
-    """Yield the differences from the expected report: each such check with its line and diagnosis, then the codes."""
+    """Yield the differences from the expected report: each such check with its line and diagnosis, then the
+    codes.
+    """
     if graded.report is None:
         yield f"cannot be graded: {graded.refused}"
         return
@@ -51,7 +54,9 @@ def differences(sample: Sample, graded: GradedFile) -> Iterator[str]:
     for id, expected in sample.differences(document(graded.report)).items():
         want = f"expected {MARKS[expected]}" if expected else "expected no result"
         if id not in outcomes:
-            yield f"{id}: {want}, got no result: its exercise was not attempted, or its function is not defined"
+            yield (
+                f"{id}: {want}, got no result: its exercise was not attempted, or its function is not defined"
+            )
             continue
         yield f"{id}: {want}, got {MARKS[outcomes[id].verdict]}"
         yield from (f"  {line}" for line in outcomes[id].text().split("\n"))
@@ -59,7 +64,9 @@ def differences(sample: Sample, graded: GradedFile) -> Iterator[str]:
     if missing := sample.codes - got:
         yield f"missing diagnosis codes: {', '.join(sorted(missing))}"
     sentences = {d.code: d.sentence for o in outcomes.values() for d in o.diagnosis}
-    yield from (f"unexpected diagnosis code: {code} ({sentences[code]})" for code in sorted(got - sample.codes))
+    yield from (
+        f"unexpected diagnosis code: {code} ({sentences[code]})" for code in sorted(got - sample.codes)
+    )
 
 
 def cpu_warning(assignment: Assignment, tally: Tally) -> Iterator[str]:
@@ -79,9 +86,14 @@ def missing_entry(assignment: Assignment, graded: GradedFile) -> list[str]:
         return ["has no entry in expected.toml; --write would add", *written.rstrip().split("\n")]
     if late := _timed_out(graded.report):
         slow = "a busy machine can cause that: run again, or add the entry by hand if the sample never ends"
-        return [f"has no entry in expected.toml and none was added: {late} did not finish in time, and {slow}"]
+        return [
+            f"has no entry in expected.toml and none was added: {late} did not finish in time, and {slow}"
+        ]
     rule = "a sample named right_… must pass every check, and any other sample must fail one"
-    return [f"has no entry in expected.toml and none was added: {rule}", *graded.report.text().rstrip().split("\n")]
+    return [
+        f"has no entry in expected.toml and none was added: {rule}",
+        *graded.report.text().rstrip().split("\n"),
+    ]
 
 
 def _timed_out(report: Report) -> str:
@@ -90,8 +102,14 @@ def _timed_out(report: Report) -> str:
 
 
 def new_entry(assignment: Assignment, graded: GradedFile) -> str | None:
-    """Return the entry for a sample without one, or None if its report contradicts its name or has a time-out."""
-    if graded.report is None or graded.report.passed != graded.file.name.startswith("right_") or _timed_out(graded.report):
+    """Return the entry for a sample without one, or None if its report contradicts its name or has a
+    time-out.
+    """
+    if (
+        graded.report is None
+        or graded.report.passed != graded.file.name.startswith("right_")
+        or _timed_out(graded.report)
+    ):
         return None
     return entry(graded.file.name, None, assignment, document(graded.report))
 
@@ -104,8 +122,12 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
     yield f"{assignment.slug}: {agreed} of {tally.samples} samples as expected, {len(tally.made)} checks"
     yield from (f"{name}: listed in expected.toml, but the file does not exist" for name in found.missing)
     if whole:
-        yield from _warning("no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed])
-        yield from _warning("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])
+        yield from _warning(
+            "no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed]
+        )
+        yield from _warning(
+            "no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named]
+        )
         if not tally.right:
             yield "warning: no sample is all ✓"
         yield from cpu_warning(assignment, tally)

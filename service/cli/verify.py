@@ -31,15 +31,30 @@ SEED, SEEDS = 1, 4
 def add_verify(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
-        "assignments", nargs="*", metavar="FOLDER", help="slug, assignment folder or its samples folder; default: all assignments"
+        "assignments",
+        nargs="*",
+        metavar="FOLDER",
+        help="slug, assignment folder or its samples folder; default: all assignments",
     )
-    parser.add_argument("--only", action="append", metavar="NAME", help="only samples with this name or pattern; repeatable")
-    parser.add_argument("--jobs", type=count, metavar="N", help="grade at most N samples at a time; default: one per processor")
+    parser.add_argument(
+        "--only", action="append", metavar="NAME", help="only samples with this name or pattern; repeatable"
+    )
+    parser.add_argument(
+        "--jobs",
+        type=count,
+        metavar="N",
+        help="grade at most N samples at a time; default: one per processor",
+    )
     parser.add_argument("--seed", type=seed, default=SEED, help=f"seed of the hidden scenes (default {SEED})")
     parser.add_argument(
-        "--seeds", type=count, default=SEEDS, help=f"number of seeds for samples made from a declaration (default {SEEDS})"
+        "--seeds",
+        type=count,
+        default=SEEDS,
+        help=f"number of seeds for samples made from a declaration (default {SEEDS})",
     )
-    parser.add_argument("--write", action="store_true", help="add an entry to expected.toml for each sample that has none")
+    parser.add_argument(
+        "--write", action="store_true", help="add an entry to expected.toml for each sample that has none"
+    )
     parser.set_defaults(run=_verify)
 
 
@@ -54,7 +69,9 @@ def _verify(arguments: argparse.Namespace) -> int:
             sets.append((assignment, load_samples(assignment)))
         except InvalidAssignment as error:
             invalid.append(str(error))
-        invalid += [f"assignment {assignment.slug}: {error}" for error in validation.public_errors(assignment)]
+        invalid += [
+            f"assignment {assignment.slug}: {error}" for error in validation.public_errors(assignment)
+        ]
     for sentence in invalid:
         print(f"polhode: {sentence}", file=sys.stderr)
     codes = [2 if invalid or not sets else 0]
@@ -64,7 +81,11 @@ def _verify(arguments: argparse.Namespace) -> int:
             made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
             seeds = range(arguments.seed, arguments.seed + arguments.seeds)
             if made or not own:
-                codes.append(verify_made(assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only))
+                codes.append(
+                    verify_made(
+                        assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only
+                    )
+                )
         if own:
             codes.append(_verify_one(assignment, found, arguments, isolation.result()))
     return max(codes)
@@ -78,7 +99,11 @@ def _select(names: Sequence[str]) -> tuple[list[Assignment], list[str]]:
     selected, invalid = [], []
     for name in names:
         slugs = _slugs(name)
-        invalid += [] if slugs else [f"no assignment found in {name}: name a slug, or a folder that contains assignment.py"]
+        invalid += (
+            []
+            if slugs
+            else [f"no assignment found in {name}: name a slug, or a folder that contains assignment.py"]
+        )
         for slug in slugs:
             try:
                 selected.append(find(slug))
@@ -88,9 +113,11 @@ def _select(names: Sequence[str]) -> tuple[list[Assignment], list[str]]:
 
 
 def _slugs(name: str) -> list[str]:
-    """Return the slugs selected by a slug, an assignment folder, its samples folder or a folder of assignments.
+    """Return the slugs selected by a slug, an assignment folder, its samples folder or a folder of
+    assignments.
 
-    A known slug takes precedence over a folder of that name. Assignments outside the known folders are registered.
+    A known slug takes precedence over a folder of that name. Assignments outside the known folders are
+    registered.
     """
     if not Path(name).is_dir():
         return [name]
@@ -106,19 +133,30 @@ def _slugs(name: str) -> list[str]:
     return [catalogue.slug_of(folder) for folder in selected]
 
 
-def _verify_one(assignment: Assignment, found: SampleSet, arguments: argparse.Namespace, isolation: Isolation) -> int:
+def _verify_one(
+    assignment: Assignment, found: SampleSet, arguments: argparse.Namespace, isolation: Isolation
+) -> int:
     listed = [s for s in found.samples if _is_selected(s.file.name, arguments.only)]
     unlisted = [file for file in found.unlisted if _is_selected(file.name, arguments.only)]
-    asks = [GradeRequest(s.file, tuple(s.ask) if s.ask else None) for s in listed] + [GradeRequest(file) for file in unlisted]
+    asks = [GradeRequest(s.file, tuple(s.ask) if s.ask else None) for s in listed] + [
+        GradeRequest(file) for file in unlisted
+    ]
     if not asks:
-        print(f"polhode: {assignment.slug}: no sample to grade in {assignment.folder / 'samples'}", file=sys.stderr)
+        print(
+            f"polhode: {assignment.slug}: no sample to grade in {assignment.folder / 'samples'}",
+            file=sys.stderr,
+        )
         return 2
     tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in listed}
     with Progress(len(asks), "as expected") as progress:
-        for graded in grade_files(asks, GradeOptions(assignment, arguments.seed), isolation, arguments.jobs, progress.update):
+        for graded in grade_files(
+            asks, GradeOptions(assignment, arguments.seed), isolation, arguments.jobs, progress.update
+        ):
             if graded.fault:
                 faults += 1
-                progress.print(f"?  {graded.file.name}   not graded (system fault): {graded.fault}", good=False)
+                progress.print(
+                    f"?  {graded.file.name}   not graded (system fault): {graded.fault}", good=False
+                )
                 continue
             sample = known.get(graded.file)
             new = verification.new_entry(assignment, graded) if arguments.write and sample is None else None

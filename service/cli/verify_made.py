@@ -1,4 +1,6 @@
-"""Verification of a declaration: the samples that follow from it, graded on several seeds, and its published notebook."""
+"""Verification of a declaration: the samples that follow from it, graded on several seeds, and its published
+notebook.
+"""
 
 import functools
 import statistics
@@ -25,7 +27,13 @@ SLOW_S, MOST = 2.0, 3  # an exercise whose grading uses more CPU time is named, 
 
 
 def verify_made(
-    assignment: Assignment, samples: Mapping[str, MadeSample], seeds: range, isolation: Isolation, jobs: int | None, *, whole: bool
+    assignment: Assignment,
+    samples: Mapping[str, MadeSample],
+    seeds: range,
+    isolation: Isolation,
+    jobs: int | None,
+    *,
+    whole: bool,
 ) -> int:
     """Grade the samples, by name, on each seed, run the published notebook, and print the results.
 
@@ -40,10 +48,14 @@ def verify_made(
         for request in requests:
             request.file.write_text(samples[request.file.name].source, encoding="utf-8")
         for turn, seed in enumerate(seeds):
-            update = functools.partial(lambda before, done: progress.update(before + done), turn * len(samples))
+            update = functools.partial(
+                lambda before, done: progress.update(before + done), turn * len(samples)
+            )
             for graded in grade_files(requests, GradeOptions(assignment, seed), isolation, jobs, update):
                 progress.print("", good=results.add(seed, graded))
-        update = functools.partial(lambda before, done: progress.update(before + done), len(seeds) * len(samples))
+        update = functools.partial(
+            lambda before, done: progress.update(before + done), len(seeds) * len(samples)
+        )
         found = notebook_differences(assignment, list(samples.values()), results.reports, update)
     for name, wrong in results.differences.items():
         wrong += [*results.same_numbers(name), *found.get(name, ())]
@@ -55,7 +67,9 @@ def verify_made(
 
 
 class _Results:
-    """What the gradings showed: the ``differences`` of each sample from what is expected, and the last ``reports``."""
+    """What the gradings showed: the ``differences`` of each sample from what is expected, and the last
+    ``reports``.
+    """
 
     def __init__(self, assignment: Assignment, samples: Mapping[str, MadeSample]) -> None:
         self.assignment, self.samples, self.tally, self.faults = assignment, samples, Tally(), 0
@@ -66,7 +80,12 @@ class _Results:
 
     def _left_open(self, sample: MadeSample) -> str:
         """Return what the questions of a sample's exercises ignore, in parentheses, or ""."""
-        asked = [value for n in sample.ask for question in self.assignment.questions.get(n, ()) for value in question["returns"]]
+        asked = [
+            value
+            for n in sample.ask
+            for question in self.assignment.questions.get(n, ())
+            for value in question["returns"]
+        ]
         left_open = sorted({f"{value['name']} up to {value['up_to']}" for value in asked if value["up_to"]})
         return f" (they compare {', '.join(left_open)})" if left_open else ""
 
@@ -83,23 +102,37 @@ class _Results:
             self._measured[name] += [(o.id, o.verdict, f"{o.measured or 0:.6g}") for o in report.outcomes()]
             self._cpu_s[self.samples[name].ask].append(graded.cpu_s)
             sample = self.samples[name]
-            wrong = [line.replace(UNSEEN, UNSEEN + self._left_open(sample)) for line in sample.unexpected(document(report))]
+            wrong = [
+                line.replace(UNSEEN, UNSEEN + self._left_open(sample))
+                for line in sample.unexpected(document(report))
+            ]
             wrong += [f"  {line}" for line in report.text().split("\n")] if wrong else []
         self.tally.add(graded, expected=not wrong)
         self.differences[name] += [f"seed {seed}: {line}" for line in wrong]
         return not wrong
 
     def same_numbers(self, name: str) -> Iterator[str]:
-        """Yield a line for each other mistake that the checks do not distinguish from that of an unexpected sample."""
+        """Yield a line for each other mistake that the checks do not distinguish from that of an unexpected
+        sample.
+        """
         sample, numbers = self.samples[name], self._measured[name]
-        if self.differences[name] and not sample.right and any(verdict is Verdict.FAIL for _, verdict, _ in numbers):
+        if (
+            self.differences[name]
+            and not sample.right
+            and any(verdict is Verdict.FAIL for _, verdict, _ in numbers)
+        ):
             for other in [s for s in self.samples.values() if s.ask == sample.ask and s.name != name]:
                 if self._measured[other.name] == numbers:
                     again = "give both mistakes the same code and sentence"
-                    yield f"the checks do not distinguish it from {other.name}{self._left_open(sample)}: {again}"
+                    yield (
+                        f"the checks do not distinguish it from {other.name}{self._left_open(sample)}:"
+                        f" {again}"
+                    )
 
     def summary(self, seeds: int, *, whole: bool) -> Iterator[str]:
-        """Yield how many samples are as expected, and for a ``whole`` set the checks that no sample fails and slow exercises."""
+        """Yield how many samples are as expected, and for a ``whole`` set the checks that no sample fails and
+        slow exercises.
+        """
         tally = self.tally
         agreed = f"{tally.samples - tally.unexpected} of {tally.samples} samples as expected"
         yield f"{self.assignment.slug}: {agreed} on {seeds} seeds, {len(tally.made)} checks"
@@ -112,12 +145,20 @@ class _Results:
         ids: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
         for check in self.assignment.checks():
             if check.scenes and check.id not in self.tally.failed:
-                ids[self.assignment.scene(check.scenes[0]).function, check.label.removesuffix(NEW_INPUTS)].append(check.id)
+                ids[
+                    self.assignment.scene(check.scenes[0]).function, check.label.removesuffix(NEW_INPUTS)
+                ].append(check.id)
         for (function, label), found in ids.items():
-            yield f'warning: no sample fails {" and ".join(found)}: declare a mistake of {function} that fails "{label}"'
+            yield (
+                f"warning: no sample fails {' and '.join(found)}: declare a mistake of {function} that fails"
+                f' "{label}"'
+            )
 
     def _slow(self) -> Iterator[str]:
         times = {ask[0]: statistics.median(times) for ask, times in self._cpu_s.items() if len(ask) == 1}
         for number in sorted(times, key=times.__getitem__, reverse=True)[:MOST]:
             if times[number] > SLOW_S:
-                yield f"exercise {number} uses {times[number]:.1f} s of CPU time: fewer rows, repetitions or steps make it faster"
+                yield (
+                    f"exercise {number} uses {times[number]:.1f} s of CPU time: fewer rows, repetitions or"
+                    " steps make it faster"
+                )

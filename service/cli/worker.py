@@ -16,9 +16,14 @@ from service.workers.pool import WorkerPool
 def add_worker(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
-        "--slots", type=count, dest="workers", help="gradings at a time (POLHODE_WORKERS, default one per processor)"
+        "--slots",
+        type=count,
+        dest="workers",
+        help="gradings at a time (POLHODE_WORKERS, default one per processor)",
     )
-    parser.add_argument("--with-parent", type=int, metavar="PID", help="exit when the parent process PID exits")
+    parser.add_argument(
+        "--with-parent", type=int, metavar="PID", help="exit when the parent process PID exits"
+    )
     parser.set_defaults(run=_worker)
 
 
@@ -31,10 +36,14 @@ def _worker(arguments: argparse.Namespace) -> int:
         raise CommandError("this worker would grade nothing: set POLHODE_WORKERS or --slots to at least 1")
     url = settings.database_url or running_url(settings.data)
     if url is None:
-        raise CommandError(f"no running server has its database in {settings.data}; start one, or set POLHODE_DATABASE_URL")
+        raise CommandError(
+            f"no running server has its database in {settings.data}; start one, or set POLHODE_DATABASE_URL"
+        )
     try:
         run_async(url, lambda database: database.ping())
-    except Exception as error:  # WrongSchema, which no retry mends; a database that does not answer yet is waited for
+    except (
+        Exception
+    ) as error:  # WrongSchema, which no retry mends; a database that does not answer yet is waited for
         if not is_outage(error):
             raise
     return WorkerPool(settings.model_copy(update={"database_url": url})).run()

@@ -1,4 +1,6 @@
-"""The text of one check for other systems: harmless wherever it is displayed, with what helps to find the error."""
+"""The text of one check for other systems: harmless wherever it is displayed, with what helps to find the
+error.
+"""
 
 import re
 from collections.abc import Iterable
@@ -10,7 +12,8 @@ from exercises.assignment import Assignment
 from service.sandbox.untrusted_text import text
 
 NOTHING = "at least one check was scored"
-"""Name of a failed test for reports without counted checks, since other systems read "no failure" as success."""
+"""Name of a failed test for reports without counted checks, since other systems read "no failure" as success.
+"""
 SUBMITTED = "the file can be graded"
 MOST_TRACE = 2000
 
@@ -20,7 +23,9 @@ class NoVerdict(Exception):
 
 
 def sanitize(raw: str, most: int | None = None) -> str:
-    """Return the text without non-XML characters, bidirectional controls and terminal sequences, cut to ``most`` characters."""
+    """Return the text without non-XML characters, bidirectional controls and terminal sequences, cut to
+    ``most`` characters.
+    """
     whole = text(raw.replace("\r\n", "\n"), len(raw))
     return whole if most is None or len(whole) <= most else f"{whole[: most - 2]} …"
 
@@ -44,7 +49,9 @@ def detail(outcome: Outcome, report: Report, *, trace: bool = True) -> str:
 
 
 def not_attempted(report: Report, assignment: Assignment) -> dict[str, int]:
-    """Return the points of each requested exercise that was not attempted, keyed by a sentence that says so."""
+    """Return the points of each requested exercise that was not attempted,
+    keyed by a sentence that says so.
+    """
     known = {exercise.number for exercise in assignment.exercises}
     points = {number: assignment.max_points([number]) for number in report.not_attempted if number in known}
     return {f"exercise {number} was not attempted": most for number, most in points.items() if most}
@@ -62,14 +69,16 @@ _PLAIN = re.compile(r"[^\w ]|_", re.ASCII)
 
 
 def code(raw: str) -> str:
-    """Return the text as inline code for Markdown, on one line, safe in a table cell too. Every punctuation mark
-    becomes an entity.
+    """Return the text as inline code for Markdown, on one line, safe in a table cell too. Every punctuation
+    mark becomes an entity.
     """
     return f"<code>{escaped(raw)}</code>"
 
 
 def escaped(raw: str) -> str:
-    """Return the text on one line with every ASCII punctuation mark as an entity, so that Markdown renders it literally."""
+    """Return the text on one line with every ASCII punctuation mark as an entity, so that Markdown renders it
+    literally.
+    """
     return _PLAIN.sub(lambda sign: sign[0] if ord(sign[0]) > 127 else f"&#{ord(sign[0])};", one_line(raw))
 
 

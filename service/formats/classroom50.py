@@ -1,5 +1,5 @@
-"""Classroom 50's result.json, schema ``classroom50/result/v1``: whole points, and no test for a check that does
-not count.
+"""Classroom 50's result.json, schema ``classroom50/result/v1``: whole points, and no test for a check that
+does not count.
 
 Classroom 50's runner overwrites ``owner``, ``assignment_type``, ``datetime`` and ``graded_at`` and files the
 grade by them.
@@ -14,7 +14,15 @@ from ecp.judge import Verdict
 from ecp.outcome import ExerciseReport
 from ecp.report import Report
 from exercises.assignment import Assignment
-from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
+from service.formats.check_text import (
+    NOTHING,
+    SUBMITTED,
+    NoVerdict,
+    detail,
+    not_attempted,
+    one_line,
+    sanitize,
+)
 from service.formats.grade_row import moment
 from service.grading.result import GradedFile, state
 
@@ -25,8 +33,8 @@ SCHEMA = "classroom50/result/v1"
 class SubmissionInfo:
     """The submission's identity in Classroom 50.
 
-    ``classroom`` and ``assignment`` are Classroom 50's names. ``assignment_type`` is individual, group or team.
-    ``submission`` is the tag submit/TIME-COMMIT. ``commit``, ``release`` and ``review`` are URLs.
+    ``classroom`` and ``assignment`` are Classroom 50's names. ``assignment_type`` is individual, group or
+    team. ``submission`` is the tag submit/TIME-COMMIT. ``commit``, ``release`` and ``review`` are URLs.
     ``submitted_at`` stays the same in every regrade, ``graded_at`` does not.
     """
 
@@ -47,14 +55,22 @@ def document(file: GradedFile, assignment: Assignment, about: SubmissionInfo) ->
     if file.fault is not None:
         raise NoVerdict(file.fault)
     if (report := file.report) is None:
-        most, tests = assignment.max_points(), [_failed(SUBMITTED, assignment.max_points(), file.refused or "")]
+        most, tests = (
+            assignment.max_points(),
+            [_failed(SUBMITTED, assignment.max_points(), file.refused or "")],
+        )
     elif not report.max_score:
         most, tests = 0, [_failed(NOTHING, 0, "no check could be scored")]
     else:
         missed = not_attempted(report, assignment)
-        most, tests = report.max_score + sum(missed.values()), [t for e in report.exercises for t in _tests(e, report)]
+        most, tests = (
+            report.max_score + sum(missed.values()),
+            [t for e in report.exercises for t in _tests(e, report)],
+        )
         tests += [_failed(name, points, name) for name, points in missed.items()]
-    identity: dict[str, str | None] = {key: value for key, value in vars(about).items() if isinstance(value, str)}
+    identity: dict[str, str | None] = {
+        key: value for key, value in vars(about).items() if isinstance(value, str)
+    }
     identity["datetime"] = moment(about.submitted_at)
     if about.graded_at:
         identity["graded_at"] = moment(about.graded_at)

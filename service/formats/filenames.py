@@ -9,7 +9,13 @@ from datetime import UTC, datetime
 
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # of the zip format
 MOST_BYTES = 80
-DEVICES = {"con", "prn", "aux", "nul", *(f"{device}{n}" for device in ("com", "lpt") for n in "0123456789¹²³")}
+DEVICES = {
+    "con",
+    "prn",
+    "aux",
+    "nul",
+    *(f"{device}{n}" for device in ("com", "lpt") for n in "0123456789¹²³"),
+}
 _UNSAFE = re.compile(r"[^\w.@+-]+|_{2,}")
 
 
@@ -72,7 +78,9 @@ class UniqueNames:
         self._taken = {_folded(name) for name in taken}
 
     def give(self, text: str, default: str = "file") -> str:
-        """Return a safe file name that is not yet used in the folder, and reserve it. Letter case is ignored."""
+        """Return a safe file name that is not yet used in the folder, and reserve it.
+        Letter case is ignored.
+        """
         name = first = safe_filename(text, default)
         stem, dot, suffix = first.rpartition(".")
         count = 1

@@ -31,12 +31,16 @@ class Annotation:
         """Return the annotation as a one-line workflow command."""
         about = {"file": self.file, "line": self.line, "title": self.title}
         given = {key: _data(str(value)) for key, value in about.items() if value is not None}
-        properties = ",".join(f"{key}={text.replace(':', '%3A').replace(',', '%2C')}" for key, text in given.items())
+        properties = ",".join(
+            f"{key}={text.replace(':', '%3A').replace(',', '%2C')}" for key, text in given.items()
+        )
         return f"::error {properties}::{_data(self.message)}"
 
 
 def escape_commands(text: str, token: str) -> str:
-    """Return the text wrapped so that the runner reads no line of it as a command. ``token`` must be unpredictable."""
+    """Return the text wrapped so that the runner reads no line of it as a command. ``token`` must be
+    unpredictable.
+    """
     return f"::stop-commands::{token}\n{text}\n::{token}::"
 
 
@@ -66,12 +70,16 @@ def annotations(files: Sequence[GradedFile], assignment: Assignment) -> Iterator
     first = found if len(found) <= MOST else found[: MOST - 1]
     yield from map(str, first)
     if left := len(found) - len(first):
-        yield str(Annotation("polhode", f"and {left} more: GitHub shows {MOST} per step, the report lists all of them"))
+        yield str(
+            Annotation(
+                "polhode", f"and {left} more: GitHub shows {MOST} per step, the report lists all of them"
+            )
+        )
 
 
 def summary(files: Sequence[GradedFile], assignment: Assignment, most: int = MOST_BYTES) -> str:
-    """Return a Markdown summary: a table of the files, then each file's report and figure captions, failed files
-    first.
+    """Return a Markdown summary: a table of the files, then each file's report and figure captions, failed
+    files first.
 
     The summary has at most ``most`` bytes; files that do not fit are counted.
     """
@@ -80,7 +88,9 @@ def summary(files: Sequence[GradedFile], assignment: Assignment, most: int = MOS
     table += f"\n{left} more files are not listed.\n" * bool(left)
     room = most - len((head + table).encode()) - ROOM
     details, left = _fitting(sorted(files, key=lambda file: file.passed), _details, room)
-    return head + table + "\n" + details + f"\nThe reports of {left} more files do not fit here.\n" * bool(left)
+    return (
+        head + table + "\n" + details + f"\nThe reports of {left} more files do not fit here.\n" * bool(left)
+    )
 
 
 def _file_annotations(file: GradedFile, assignment: Assignment) -> list[Annotation]:
@@ -111,14 +121,21 @@ def _annotation(
     lines_of = [detail(first, file.report, trace=False)]
     if others:
         left = [f"and {len(others) - MOST_NAMED} more"] if len(others) > MOST_NAMED else []
-        lines_of += ["", f"also {len(others)} more check{'s' * (len(others) > 1)}:", *others[:MOST_NAMED], *left]
+        lines_of += [
+            "",
+            f"also {len(others)} more check{'s' * (len(others) > 1)}:",
+            *others[:MOST_NAMED],
+            *left,
+        ]
     where = ": ".join(part for part in (f"exercise {exercise}", lines.function(first)) if part)
     many = f" ({len(outcomes)} checks)" if others else ""
     return Annotation(one_line(where + many), sanitize("\n".join(lines_of), MOST_MESSAGE), path, line)
 
 
 def _fitting(files: Sequence[GradedFile], render: Callable[[GradedFile], str], room: int) -> tuple[str, int]:
-    """Render files in turn while they fit into ``room`` bytes of UTF-8. Return the text and the number of files left out."""
+    """Render files in turn while they fit into ``room`` bytes of UTF-8. Return the text and the number of
+    files left out.
+    """
     parts: list[str] = []
     for file in files:
         part = render(file)
@@ -131,10 +148,14 @@ def _fitting(files: Sequence[GradedFile], render: Callable[[GradedFile], str], r
 def _row(file: GradedFile) -> str:
     name, report = code(file.file.as_posix()[-200:]), file.report
     if report is None:
-        mark, why = ("!", "system fault") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
+        mark, why = (
+            ("!", "system fault") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
+        )
         return f"| {name} | {mark} | {why} | |\n"
     mark = MARKS[Verdict.PASS if report.passed else Verdict.FAIL]
-    wrong = [outcome for outcome in report.outcomes() if outcome.counted and outcome.verdict is not Verdict.PASS]
+    wrong = [
+        outcome for outcome in report.outcomes() if outcome.counted and outcome.verdict is not Verdict.PASS
+    ]
     found = Counter(cause.code for outcome in wrong for cause in outcome.diagnosis)
     most_common = code(found.most_common(1)[0][0]) if found else ""
     return f"| {name} | {mark} | {report.score} of {report.out_of} | {most_common} |\n"
@@ -146,6 +167,11 @@ def _details(file: GradedFile) -> str:
     printed = report.text() if report else (file.fault if file.fault is not None else file.refused) or ""
     body = f"{block(printed[:MOST_OF_ONE])}\n"
     if report and (pictures := [*report.figures, *report.animations]):
-        body += "\n" + "".join(f"- **{escaped(picture.title)}**: {escaped(picture.alt)}\n" for picture in pictures)
+        body += "\n" + "".join(
+            f"- **{escaped(picture.title)}**: {escaped(picture.alt)}\n" for picture in pictures
+        )
     of = report.summary() if report else ("system fault" if file.fault is not None else "no submission")
-    return f"<details><summary>{code(file.file.as_posix()[-200:])}: {escaped(of)}</summary>\n\n{body}\n</details>\n\n"
+    return (
+        f"<details><summary>{code(file.file.as_posix()[-200:])}:"
+        f" {escaped(of)}</summary>\n\n{body}\n</details>\n\n"
+    )

@@ -11,15 +11,17 @@ from service.grading.result import GradedFile, state
 
 @dataclass(frozen=True, kw_only=True)
 class GradeRow:
-    """One student's counted submission for one assignment: the one with the most points, the newest among equals.
+    """One student's counted submission for one assignment: the one with the most points, the newest among
+    equals.
 
-    ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded; the late ``penalty`` is not
-    subtracted. ``lateness`` is the time after the student's own deadline. ``weight`` is the assignment's in the course.
-    ``released`` says whether the student may see the scores.
-    ``max_points`` is the assignment's maximum, the same for every student. ``counted`` are the points of the counted checks in the
-    report; they are fewer if the submission left out exercises. ``attempts`` is the number of the student's
-    submissions. ``status`` is the submission's, or "none" without one. ``checks`` holds each check's measured
-    state, ``worth`` its points, ``earned`` the points it earned before overrides, ``given`` its overridden points.
+    ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded; the late
+    ``penalty`` is not subtracted. ``lateness`` is the time after the student's own deadline. ``weight`` is
+    the assignment's in the course. ``released`` says whether the student may see the scores.
+    ``max_points`` is the assignment's maximum, the same for every student. ``counted`` are the points of the
+    counted checks in the report; they are fewer if the submission left out exercises. ``attempts`` is the
+    number of the student's submissions. ``status`` is the submission's, or "none" without one. ``checks``
+    holds each check's measured state, ``worth`` its points, ``earned`` the points it earned before overrides,
+    ``given`` its overridden points.
     """
 
     assignment: str
@@ -62,8 +64,14 @@ class GradeRow:
 
     @property
     def percent(self) -> float | None:
-        """Return the percentage of the assignment's points after the late penalty; optional functions can raise it above 100."""
-        return None if self.final is None or not self.max_points else round(100 * self.final / self.max_points, 2)
+        """Return the percentage of the assignment's points after the late penalty; optional functions can
+        raise it above 100.
+        """
+        return (
+            None
+            if self.final is None or not self.max_points
+            else round(100 * self.final / self.max_points, 2)
+        )
 
     def state(self, check: str) -> str | None:
         """Return a check's state with its override applied, or None if the report lacks the check.
@@ -81,8 +89,8 @@ def whole(number: float) -> float:
 
 
 def total_percent(rows: Iterable[GradeRow], *, graded: bool = False) -> float | None:
-    """Return one student's weighted percentage of the course from the rows of the assignments; ungraded ones count 0, or are left
-    out if ``graded``. None if no weight is left.
+    """Return one student's weighted percentage of the course from the rows of the assignments; ungraded ones
+    count 0, or are left out if ``graded``. None if no weight is left.
     """
     counted = [row for row in rows if row.max_points and not (graded and row.final is None)]
     weights = sum(row.weight for row in counted)
@@ -95,9 +103,14 @@ def moment(at: datetime | None) -> str | None:
 
 
 def rows(files: Sequence[GradedFile], assignment: Assignment) -> list[GradeRow]:
-    """Return a row for each file. The student is the file's stem, or its path where several files share a stem."""
+    """Return a row for each file. The student is the file's stem, or its path where several files share a
+    stem.
+    """
     stems = Counter(file.file.stem for file in files)
-    return [row(file, assignment, "" if stems[file.file.stem] == 1 else file.file.with_suffix("").as_posix()) for file in files]
+    return [
+        row(file, assignment, "" if stems[file.file.stem] == 1 else file.file.with_suffix("").as_posix())
+        for file in files
+    ]
 
 
 def row(file: GradedFile, assignment: Assignment, student: str = "") -> GradeRow:
@@ -120,7 +133,9 @@ def row(file: GradedFile, assignment: Assignment, student: str = "") -> GradeRow
         about,
         status="graded",
         counted=report.max_score,
-        grader=f"polhode {report.provenance.versions.get('polhode', '')}, assignment version {report.version}",
+        grader=(
+            f"polhode {report.provenance.versions.get('polhode', '')}, assignment version {report.version}"
+        ),
         checks={outcome.id: state(outcome, report.scene_ends) for outcome in outcomes},
         worth={outcome.id: outcome.points for outcome in outcomes},
         earned={outcome.id: outcome.earned for outcome in outcomes},

@@ -1,7 +1,8 @@
-"""Grades as CSV files for other gradebooks: Canvas and Moodle import them, scripts read nbgrader's and Gradescope's columns.
+"""Grades as CSV files for other gradebooks: Canvas and Moodle import them, scripts read nbgrader's and
+Gradescope's columns.
 
-Each function takes one row per student. Canvas and Moodle clear an existing grade where the cell is empty, so their files
-leave out students without points.
+Each function takes one row per student. Canvas and Moodle clear an existing grade where the cell is empty, so
+their files leave out students without points.
 """
 
 import re
@@ -19,12 +20,14 @@ MOODLE_HEADER = ("Username", "ID number", "Email address")
 NO_USER = "(none)"
 
 NBGRADER_COLUMNS = (
-    "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email", "raw_score", "late_submission_penalty",
+    "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email", "raw_score",
+    "late_submission_penalty",
     "score", "max_score",
 )  # fmt: skip
 
 GRADESCOPE_COLUMNS = (
-    "First Name", "Last Name", "SID", "Email", "Sections", "Total Score", "Max Points", "Status", "Submission ID",
+    "First Name", "Last Name", "SID", "Email", "Sections", "Total Score", "Max Points", "Status",
+    "Submission ID",
     "Submission Time", "Lateness (H:M:S)", "View Count", "Submission Count",
 )  # fmt: skip
 
@@ -32,28 +35,44 @@ GRADESCOPE_COLUMNS = (
 def canvas_csv(rows: Sequence[GradeRow], title: str, max_points: int) -> str:
     """Return the CSV of one assignment for Canvas (Grades, Import).
 
-    Canvas finds a student by the first of ID, SIS User ID, SIS Login ID and name that matches. A sixth column is an assignment
-    of that title, which Canvas creates if it does not exist. The row "Points Possible" holds its maximum.
+    Canvas finds a student by the first of ID, SIS User ID, SIS Login ID and name that matches. A sixth column
+    is an assignment of that title, which Canvas creates if it does not exist. The row "Points Possible" holds
+    its maximum.
     """
     possible = [f"    {POSSIBLE}", None, None, None, None, max_points]
     graded = [row for row in rows if row.points is not None]
-    names = [row.name.replace(POSSIBLE, "Points-Possible") for row in graded]  # else Canvas reads the row as the one above
-    students = [[name, None, row.student_id, row.student, None, row.final] for name, row in zip(names, graded, strict=True)]
+    names = [
+        row.name.replace(POSSIBLE, "Points-Possible") for row in graded
+    ]  # else Canvas reads the row as the one above
+    students = [
+        [name, None, row.student_id, row.student, None, row.final]
+        for name, row in zip(names, graded, strict=True)
+    ]
     return table([*CANVAS_HEADER, _canvas_title(title)], [possible, *students])
 
 
 def _canvas_title(title: str) -> str:
-    """Return the title, changed if Canvas would read it as one of its own columns or as an existing assignment's id."""
-    if RESERVED.search(title) or title in (*CANVAS_HEADER, "LastName", "FirstName", "Integration ID", "Root Account"):
+    """Return the title, changed if Canvas would read it as one of its own columns or as an existing
+    assignment's id.
+    """
+    if RESERVED.search(title) or title in (
+        *CANVAS_HEADER,
+        "LastName",
+        "FirstName",
+        "Integration ID",
+        "Root Account",
+    ):
         title = RESERVED.sub(r"\1-\2", f"{title} (polhode)")
     return re.sub(r"\((\d+)\)$", r"[\1]", title)
 
 
 def moodle_csv(rows: Sequence[GradeRow], title: str) -> str:
-    """Return the CSV of one assignment for Moodle (Grades, Import, CSV file), in UTF-8 with commas and decimal points.
+    """Return the CSV of one assignment for Moodle (Grades, Import, CSV file), in UTF-8 with commas and
+    decimal points.
 
-    The instructor chooses the column that identifies users when importing. One unknown user stops the import. Moodle assigns a
-    row whose user cell is empty or 0 to the previous row's user, so such a cell becomes "(none)".
+    The instructor chooses the column that identifies users when importing. One unknown user stops the import.
+    Moodle assigns a row whose user cell is empty or 0 to the previous row's user, so such a cell becomes
+    "(none)".
     """
     graded = [row for row in rows if row.points is not None]
     lines = [[*map(_moodle_user, (row.student, row.student_id, row.email)), row.final] for row in graded]
@@ -67,11 +86,12 @@ def _moodle_user(value: str) -> str:
 
 
 def nbgrader_csv(rows: Sequence[GradeRow]) -> str:
-    """Return a CSV with the columns of ``nbgrader export`` (0.9), with line feeds and without a byte order mark.
+    """Return a CSV with the columns of ``nbgrader export`` (0.9), with line feeds and without a byte order
+    mark.
 
-    Students are sorted by last and first name, and each has a line: 0.0 points and no timestamp without a submission, empty
-    scores while a submission is not graded. Times are UTC without a zone. ``raw_score`` are the points, including
-    overrides, and ``score`` is what the late penalty leaves of them.
+    Students are sorted by last and first name, and each has a line: 0.0 points and no timestamp without a
+    submission, empty scores while a submission is not graded. Times are UTC without a zone. ``raw_score`` are
+    the points, including overrides, and ``score`` is what the late penalty leaves of them.
     """
     by_name = sorted(rows, key=lambda row: (*split_name(row.full_name), row.student))
     return table(NBGRADER_COLUMNS, [_nbgrader_line(row) for row in by_name], end="\n")
@@ -91,12 +111,23 @@ def _gradescope_line(row: GradeRow) -> list[Value]:
     seconds = int((row.lateness or timedelta()).total_seconds())
     late = f"{seconds // 3600:02}:{seconds // 60 % 60:02}:{seconds % 60:02}" if row.submission else None
     at = f"{row.submitted_at.astimezone(UTC):%Y-%m-%d %H:%M:%S} +0000" if row.submitted_at else None
-    score: list[Value] = [row.final, float(row.max_points), status, row.submission, at, late, None, row.attempts]
+    score: list[Value] = [
+        row.final,
+        float(row.max_points),
+        status,
+        row.submission,
+        at,
+        late,
+        None,
+        row.attempts,
+    ]
     return [first, last, row.student_id, row.email or row.student, None, *score]
 
 
 def split_name(full: str) -> tuple[str, str]:
-    """Return the last and first name of a full name. The last name is the part before a comma, or else the last word."""
+    """Return the last and first name of a full name. The last name is the part before a comma, or else the
+    last word.
+    """
     if "," in full:
         last, _, first = full.partition(",")
     else:
@@ -107,7 +138,13 @@ def split_name(full: str) -> tuple[str, str]:
 def _nbgrader_line(row: GradeRow) -> list[Value]:
     known = row.points is not None or row.submission is None
     raw, score = (float(points or 0) if known else None for points in (row.points, row.final))
-    about: list[Value] = [row.assignment, _naive(row.due_at), _naive(row.submitted_at), row.student, *split_name(row.full_name)]
+    about: list[Value] = [
+        row.assignment,
+        _naive(row.due_at),
+        _naive(row.submitted_at),
+        row.student,
+        *split_name(row.full_name),
+    ]
     return [*about, row.email, raw, float(row.penalty), score, float(row.max_points)]
 
 

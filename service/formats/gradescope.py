@@ -1,7 +1,7 @@
 """Gradescope's results.json, by its autograder specification.
 
-Texts have the format "text", which Gradescope does not render. Gradescope sanitizes HTML by unpublished rules,
-so a picture is a figure with a PNG as a data: URL and a caption that remains if the image is removed.
+Texts have the format "text", which Gradescope does not render. Gradescope sanitizes HTML by unpublished
+rules, so a picture is a figure with a PNG as a data: URL and a caption that remains if the image is removed.
 """
 
 import base64
@@ -14,7 +14,15 @@ from ecp.outcome import ExerciseReport, Outcome, Picture
 from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats import VISIBILITIES
-from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
+from service.formats.check_text import (
+    NOTHING,
+    SUBMITTED,
+    NoVerdict,
+    detail,
+    not_attempted,
+    one_line,
+    sanitize,
+)
 from service.grading.result import GradedFile, state
 
 MOST_PICTURES = 4 << 20
@@ -37,10 +45,16 @@ def document(
     if file.report is not None:
         return _graded(file, file.report, assignment, max_score, hidden) | about
     reason, most = sanitize(file.refused or ""), assignment.max_points() if max_score is None else max_score
-    return {"score": 0, "output": reason, "tests": [_failed(SUBMITTED, reason) | {"score": 0, "max_score": most}]} | about
+    return {
+        "score": 0,
+        "output": reason,
+        "tests": [_failed(SUBMITTED, reason) | {"score": 0, "max_score": most}],
+    } | about
 
 
-def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score: float | None, hidden: str) -> dict[str, Any]:
+def _graded(
+    file: GradedFile, report: Report, assignment: Assignment, max_score: float | None, hidden: str
+) -> dict[str, Any]:
     missed = not_attempted(report, assignment)
     total = report.max_score + sum(missed.values())
     point = 1 if max_score is None else max_score / total if total else 0
@@ -67,18 +81,32 @@ def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) 
             test |= points | {"status": "passed" if passed else "failed"}
         test |= {"output": detail(outcome, report), "output_format": "text", "tags": _tags(exercise, outcome)}
         test["visibility"] = hidden if outcome.hidden else "visible"
-        test["extra_data"] = {"id": outcome.id, "verdict": outcome.verdict.value, "state": state(outcome, report.scene_ends)}
+        test["extra_data"] = {
+            "id": outcome.id,
+            "verdict": outcome.verdict.value,
+            "state": state(outcome, report.scene_ends),
+        }
         yield test
 
 
 def _tags(exercise: ExerciseReport, outcome: Outcome) -> list[str]:
     causes = outcome.diagnosis if outcome.verdict is not Verdict.PASS else []
-    kinds = ["hidden"] * outcome.hidden + ["not counted"] * (not outcome.counted) + ["self-reported"] * outcome.self_reported
+    kinds = (
+        ["hidden"] * outcome.hidden
+        + ["not counted"] * (not outcome.counted)
+        + ["self-reported"] * outcome.self_reported
+    )
     return [f"exercise {exercise.number}", *kinds, *(one_line(cause.code) for cause in causes)]
 
 
 def _failed(name: str, output: str) -> dict[str, Any]:
-    return {"name": name, "status": "failed", "output": output, "output_format": "text", "visibility": "visible"}
+    return {
+        "name": name,
+        "status": "failed",
+        "output": output,
+        "output_format": "text",
+        "visibility": "visible",
+    }
 
 
 def _figures(file: GradedFile, report: Report) -> Iterator[dict[str, Any]]:
@@ -89,7 +117,12 @@ def _figures(file: GradedFile, report: Report) -> Iterator[dict[str, Any]]:
         shown.append(_figure(picture, png if len(png) <= room else b""))
         room -= len(png) if len(png) <= room else 0
     if any(name.endswith(".png") for name in file.pictures):
-        yield {"name": "Figures", "output": "\n".join(shown), "output_format": "html", "visibility": "visible"}
+        yield {
+            "name": "Figures",
+            "output": "\n".join(shown),
+            "output_format": "html",
+            "visibility": "visible",
+        }
 
 
 def _figure(picture: Picture, png: bytes) -> str:

@@ -32,35 +32,60 @@ def index(files: Sequence[GradedFile], assignment: Assignment, pages: Mapping[Pa
     """Return the overview page: a table of files by checks, with a link to each file's page."""
     made = {outcome.id for file in files if file.report for outcome in file.report.outcomes()}
     checks = [check for check in assignment.checks() if check.id in made]
-    heads = "".join(f'<th scope="col" title="{escape(check.label)}">{escape(check.id)}</th>' for check in checks)
+    heads = "".join(
+        f'<th scope="col" title="{escape(check.label)}">{escape(check.id)}</th>' for check in checks
+    )
     rows = "\n".join(_row(file, [check.id for check in checks], pages[file.file]) for file in files)
     head = f'<thead><tr><th scope="col">file</th><th scope="col">points</th>{heads}</tr></thead>'
     table = f"<table>{head}\n<tbody>{rows}</tbody></table>"
     legend = "✓ pass · ✗ fail · – unmeasured (the report gives the reason) · blank: not attempted"
-    return _page(assignment.title, f'<p>{escape(summary(files))}</p><div class="wide">{table}</div><p><small>{legend}</small></p>')
+    return _page(
+        assignment.title,
+        f'<p>{escape(summary(files))}</p><div class="wide">{table}</div><p><small>{legend}</small></p>',
+    )
 
 
 def page(file: GradedFile) -> str:
     """Return the page of one file's report with its pictures."""
     if file.report is None:
         return _page(str(file.file), f"<p>{escape(file.why)}</p>")
-    report = replace(file.report, drawn=lambda name: file.pictures.get(f"{name}.svg") or file.pictures.get(f"{name}.png"))
-    printed = f"<details><summary>Printed output</summary><pre>{escape(report.stdout)}</pre></details>" if report.stdout else ""
-    provenance = f"<p><small>seed {report.provenance.seed}, isolation {escape(report.provenance.isolation)}</small></p>"
-    return _page(str(file.file), report_html.html(report) + printed + provenance + '<p><a href="../index.html">All files</a></p>')
+    report = replace(
+        file.report, drawn=lambda name: file.pictures.get(f"{name}.svg") or file.pictures.get(f"{name}.png")
+    )
+    printed = (
+        f"<details><summary>Printed output</summary><pre>{escape(report.stdout)}</pre></details>"
+        if report.stdout
+        else ""
+    )
+    provenance = (
+        f"<p><small>seed {report.provenance.seed}, isolation"
+        f" {escape(report.provenance.isolation)}</small></p>"
+    )
+    return _page(
+        str(file.file),
+        report_html.html(report) + printed + provenance + '<p><a href="../index.html">All files</a></p>',
+    )
 
 
 def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:
     name = f'<th scope="row"><a href="{escape(address)}">{escape(str(file.file))}</a></th>'
     if file.report is None:
         points = "" if file.points is None else file.points
-        return f'<tr>{name}<td>{points}</td><td class="none" colspan="{len(checks)}">{escape(file.why)}</td></tr>'
+        return (
+            f'<tr>{name}<td>{points}</td><td class="none"'
+            f' colspan="{len(checks)}">{escape(file.why)}</td></tr>'
+        )
     verdicts = {outcome.id: outcome.verdict for outcome in file.report.outcomes()}
-    cells = [f'<td class="{v.value}">{MARKS[v]}</td>' if (v := verdicts.get(id)) else "<td></td>" for id in checks]
+    cells = [
+        f'<td class="{v.value}">{MARKS[v]}</td>' if (v := verdicts.get(id)) else "<td></td>" for id in checks
+    ]
     return f"<tr>{name}<td>{file.report.score} of {file.report.out_of}</td>{''.join(cells)}</tr>"
 
 
 def _page(title: str, body: str) -> str:
     head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     head += f"<title>{escape(title)}</title><style>{_STYLE}</style>"
-    return f'<!doctype html>\n<html lang="en"><head>{head}</head><body><h1>{escape(title)}</h1>{body}</body></html>\n'
+    return (
+        "<!doctype html>\n<html"
+        f' lang="en"><head>{head}</head><body><h1>{escape(title)}</h1>{body}</body></html>\n'
+    )

@@ -1,10 +1,10 @@
 """JUnit XML for CI systems: a suite for each file and exercise, a case for each check.
 
 JUnit XML has no single standard. This module writes what Jenkins' schema junit-10 allows, plus ``file`` and
-``line`` on each case for GitLab and GitHub actions. A ✗ is a ``failure``. A – is an ``error``, like a file that
-was not graded: readers count an error as not passed, and those that distinguish the two use it for a missing
-result. A check that does not count is ``skipped``. All details are in the element's text, because GitLab
-ignores messages; system-out stays empty, because GitLab looks for paths in it.
+``line`` on each case for GitLab and GitHub actions. A ✗ is a ``failure``. A – is an ``error``, like a file
+that was not graded: readers count an error as not passed, and those that distinguish the two use it for a
+missing result. A check that does not count is ``skipped``. All details are in the element's text, because
+GitLab ignores messages; system-out stays empty, because GitLab looks for paths in it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -54,7 +54,11 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
     """Yield each suite's name and cases."""
     name, report = one_line(file.file.as_posix()), file.report
     if report is None:
-        kind, reason = ("fault", f"system fault: {file.fault}") if file.fault is not None else ("refused", file.refused or "")
+        kind, reason = (
+            ("fault", f"system fault: {file.fault}")
+            if file.fault is not None
+            else ("refused", file.refused or "")
+        )
         yield name, [Case(SUBMITTED, "error", kind, one_line(reason), sanitize(reason), 1)]
         return
     lines = SourceLines(file, assignment)
@@ -63,7 +67,10 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
             title = one_line(f"Exercise {exercise.number}. {exercise.title}")
             yield f"{name}: {title}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
     if not report.max_score:
-        yield name, [Case(NOTHING, "error", "unmeasured", "no check could be scored", sanitize(report.text()))]
+        yield (
+            name,
+            [Case(NOTHING, "error", "unmeasured", "no check could be scored", sanitize(report.text()))],
+        )
 
 
 def _case(outcome: Outcome, report: Report, lines: SourceLines) -> Case:
@@ -72,7 +79,9 @@ def _case(outcome: Outcome, report: Report, lines: SourceLines) -> Case:
         return Case(name, line=lines.line_of(outcome))
     kind = KINDS[outcome.verdict] if outcome.counted else "skipped"
     body = detail(outcome, report)
-    return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), body, lines.line_of(outcome))
+    return Case(
+        name, kind, state(outcome, report.scene_ends), one_line(outcome.line), body, lines.line_of(outcome)
+    )
 
 
 def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seconds: float) -> None:
@@ -85,11 +94,18 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
     suite.set("file", path)
     if report := file.report:
         properties, seed = SubElement(suite, "properties"), report.provenance.seed
-        about = {"assignment": report.assignment, "version": report.version, "seed": seed, "score": report.score}
+        about = {
+            "assignment": report.assignment,
+            "version": report.version,
+            "seed": seed,
+            "score": report.score,
+        }
         for key, value in (about | {"max_score": report.max_score, "total": report.most}).items():
             SubElement(properties, "property", name=key, value=one_line(str(value)))
     for case in cases:
-        element = SubElement(suite, "testcase", name=case.name, classname=name, time=f"{seconds:.3f}", file=path)
+        element = SubElement(
+            suite, "testcase", name=case.name, classname=name, time=f"{seconds:.3f}", file=path
+        )
         if case.line is not None:
             element.set("line", str(case.line))
         if case.kind:

@@ -1,8 +1,8 @@
-"""The line of a student's file that a check refers to: where the code raised, else where the tested function is
-defined.
+"""The line of a student's file that a check refers to: where the code raised, else where the tested function
+is defined.
 
-Definitions are found by their first line, without parsing Python. A notebook's cell is located in the JSON text
-that stores it.
+Definitions are found by their first line, without parsing Python. A notebook's cell is located in the JSON
+text that stores it.
 """
 
 import bisect
@@ -27,7 +27,9 @@ class SourceLines:
 
     def __init__(self, file: GradedFile, assignment: Assignment) -> None:
         self._scene_ends = file.report.scene_ends if file.report else []
-        self._functions = {c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes}
+        self._functions = {
+            c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes
+        }
         whole = {"submission.py": list(enumerate(BREAK.split(file.source), start=1))}
         self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else whole
 
@@ -46,7 +48,9 @@ class SourceLines:
 
     def _defined(self, name: str) -> int | None:
         """Return the line of the last unindented definition of ``name``, else of the last definition."""
-        begins = re.compile(rf"([ \t]*)(?:(?:async[ \t]+)?def[ \t]+{re.escape(name)}[ \t]*\(|{re.escape(name)}[ \t]*=(?!=))")
+        begins = re.compile(
+            rf"([ \t]*)(?:(?:async[ \t]+)?def[ \t]+{re.escape(name)}[ \t]*\(|{re.escape(name)}[ \t]*=(?!=))"
+        )
         lines = [line for cell in self._cells.values() for line in cell] if name else []
         found = [(not match[1], number) for number, line in lines if (match := begins.match(line))]
         return max(found)[1] if found else None
@@ -59,7 +63,9 @@ class _PositionedStr(str):
 
 
 def _notebook(source: str) -> dict[str, Numbered]:
-    """Return the lines of each code cell, keyed by its name in tracebacks; empty if the source is no notebook."""
+    """Return the lines of each code cell, keyed by its name in tracebacks; empty if the source is no
+    notebook.
+    """
     try:
         notebook = _PositionDecoder().decode(source)
         code = [_pieces(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
@@ -77,8 +83,8 @@ def _pieces(source: Any) -> list[_PositionedStr]:
 
 
 def _in_file(pieces: list[_PositionedStr], ends: list[int]) -> Numbered:
-    """Return the lines of a cell, each numbered by the file line on which its JSON string begins. ``ends`` are the
-    file's line ends.
+    """Return the lines of a cell, each numbered by the file line on which its JSON string begins. ``ends``
+    are the file's line ends.
     """
     begins, whole = [], ""
     for piece in pieces:

@@ -17,11 +17,15 @@ UNSEEN = "\\s\u00ad\u061c\u180e\u200b-\u200f\u2060-\u2064\u206a-\u206f\ufeff\uff
 BYTE_ORDER_MARK = "\ufeff"
 _BEGINS = re.compile(f'(^|[,;|"])([{UNSEEN}]*)(?=[{FORMULA}])')
 _BREAKS = re.compile("[\t\n\v\f\r\x1c-\x1e\x85\u2028\u2029]+")
-_DROPPED = re.compile("[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")  # controls; U+202A… reverse the text direction
+_DROPPED = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
+)  # controls; U+202A… reverse the text direction
 
 
 def cell(value: Value) -> str:
-    """Return the value as a CSV cell: escaped text, yes or no, a number; empty for None, NaN and infinities."""
+    """Return the value as a CSV cell: escaped text, yes or no, a number; empty for None,
+    NaN and infinities.
+    """
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
     if isinstance(value, bool):

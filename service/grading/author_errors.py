@@ -22,7 +22,9 @@ NO_SUBMISSION = """
 class {name}: pass
 def {function}(*values, **named): return {name}()
 """
-"""Replaces a right submission where none is known. What it returns has no properties, and a submission cannot return the same."""
+"""Replaces a right submission where none is known. What it returns has no properties, and a submission cannot
+return the same.
+"""
 
 
 class AssignmentFault(SystemFault):
@@ -33,8 +35,8 @@ class AssignmentFault(SystemFault):
 def author_errors(assignment: Assignment, *, numbers: bool = False) -> Iterator[None]:
     """Turn an exception of the assignment's own code into an AssignmentFault.
 
-    That is every AuthorError and every exception with a frame in the assignment's folder. ArithmeticError and ValueError stay as
-    they are if the code reads a student's ``numbers``.
+    That is every AuthorError and every exception with a frame in the assignment's folder. ArithmeticError and
+    ValueError stay as they are if the code reads a student's ``numbers``.
     """
     try:
         yield
@@ -57,10 +59,12 @@ def play(
     on_scene: OnScene = ignore,
     budget: TimeBudget | None = None,
 ) -> PlayResult:
-    """Play the job as ``Sandbox.play`` does. Raises AssignmentFault if a scene fails because of the assignment.
+    """Play the job as ``Sandbox.play`` does. Raises AssignmentFault if a scene fails because of the
+    assignment.
 
-    A scene whose exception the submission's code did not raise itself is played again, in another child, with a right submission.
-    If it fails at the same place, the assignment is the cause, else what the student's function returned.
+    A scene whose exception the submission's code did not raise itself is played again, in another child, with
+    a right submission. If it fails at the same place, the assignment is the cause, else what the student's
+    function returned.
     """
     result = sandbox.play(job, on_scene, budget)
     for scene in job.scenes:
@@ -71,11 +75,15 @@ def play(
         if source is None:
             source = NO_SUBMISSION.format(name=f"_{secrets.token_hex(8)}", function=scene.function)
         right = replace(job, cells=(Cell("solution.py", source),), scenes=(replace(scene, after=None),))
-        other = sandbox.play(right, budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s))).author_errors.get(scene.name)
+        other = sandbox.play(
+            right, budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
+        ).author_errors.get(scene.name)
         if other is not None and (same_error(found, other) if known else found == other):
             raise _fault(assignment, f"scene {scene.name}: {other}")
         sentence = UNUSABLE.format(function=scene.function, error=result.scene_ends[scene.name].sentence)
-        result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.WRONG_ANSWER, sentence=sentence)
+        result.scene_ends[scene.name] = SceneEnd(
+            scene=scene.name, ended=Ended.WRONG_ANSWER, sentence=sentence
+        )
     return result
 
 

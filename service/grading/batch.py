@@ -39,8 +39,8 @@ class GradeRequest:
 
 @dataclass(frozen=True)
 class GradeOptions:
-    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, and the size
-    limits of each file.
+    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to
+    ``sweep``, and the size limits of each file.
     """
 
     assignment: Assignment
@@ -57,12 +57,13 @@ def grade_files(
     jobs: int | None = None,
     on_progress: OnProgress = lambda done: None,
 ) -> Iterator[GradedFile]:
-    """Grade files in parallel and yield one result per file, in input order. Close the ``sandbox``, which may have started.
+    """Grade files in parallel and yield one result per file, in input order. Close the ``sandbox``, which may
+    have started.
 
-    Uses one process per CPU, at most ``jobs``, each with a sandbox of its own. Calls ``on_progress`` with the number of files done.
-    Before grading, raises UnknownExercise, OSError if a file cannot be read, and SystemFault if a package of the assignment is not
-    installed or the sandbox fails. Later failures are system faults of single files; a lost process affects all files not yet
-    graded.
+    Uses one process per CPU, at most ``jobs``, each with a sandbox of its own. Calls ``on_progress`` with the
+    number of files done. Before grading, raises UnknownExercise, OSError if a file cannot be read, and
+    SystemFault if a package of the assignment is not installed or the sandbox fails. Later failures are
+    system faults of single files; a lost process affects all files not yet graded.
     """
     for request in requests:
         select(options.assignment, request.exercises)
@@ -108,8 +109,8 @@ def start_grader(sandbox: Sandbox) -> Grader:
 def grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> GradedFile:
     """Grade one file.
 
-    Raises OSError if it cannot be read. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be
-    graded.
+    Raises OSError if it cannot be read. Raises SystemFault only if the self-test of the sandbox fails, so
+    that no file can be graded.
     """
     grader.ready()
     began = time.perf_counter()
@@ -124,11 +125,23 @@ def grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> 
         drawn = _draw(graded, options)
     except SystemFault as fault:
         return GradedFile(file=request.file, source=source, fault=str(fault))
-    except (Exception, SystemExit) as error:  # a defect of the assignment or of polhode, which affects this file only
+    except (
+        Exception,
+        SystemExit,
+    ) as error:  # a defect of the assignment or of polhode, which affects this file only
         log.exception("grading failed")
-        return GradedFile(file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder))
+        return GradedFile(
+            file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder)
+        )
     seconds = time.perf_counter() - began
-    return GradedFile(file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds, cpu_s=graded.cpu_s)
+    return GradedFile(
+        file=request.file,
+        source=source,
+        report=graded.report,
+        pictures=drawn,
+        seconds=seconds,
+        cpu_s=graded.cpu_s,
+    )
 
 
 def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmission, str]:
@@ -138,25 +151,35 @@ def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmissio
     """
     sizes = options.sizes
     with request.file.open("rb") as stream:
-        content = stream.read(sizes.upload + 1)  # one more byte than accepted reveals a file that is too large
+        content = stream.read(
+            sizes.upload + 1
+        )  # one more byte than accepted reveals a file that is too large
     if len(content) <= sizes.upload and request.file.suffix.lower() == ".json":
         parsed = read_json(content, sizes)
         try:
             select(options.assignment, parsed.exercises)
         except UnknownExercise as error:
             raise BadSubmission(str(error)) from error
-        return parsed if request.exercises is None else ParsedSubmission(parsed.submission, list(request.exercises)), ""
+        return parsed if request.exercises is None else ParsedSubmission(
+            parsed.submission, list(request.exercises)
+        ), ""
     submission = Submission.from_bytes(content, request.file.name, sizes)
     text = content.decode("utf-8-sig")
     exercises = None if request.exercises is None else list(request.exercises)
-    return ParsedSubmission(submission, exercises), submission.source if submission.source == text else _shortened(text)
+    return ParsedSubmission(
+        submission, exercises
+    ), submission.source if submission.source == text else _shortened(text)
 
 
 def _shortened(notebook: str) -> str:
-    """Return the notebook's text with its lines, but without long strings that are not code, such as pictures."""
+    """Return the notebook's text with its lines, but without long strings that are not code, such as
+    pictures.
+    """
     sources = [cell["source"] for cell in json.loads(notebook)["cells"] if cell["cell_type"] == "code"]
     code = {piece for source in sources for piece in ([source] if isinstance(source, str) else source)}
-    return _STRING.sub(lambda found: found[0] if len(found[0]) < LONG or json.loads(found[0]) in code else '""', notebook)
+    return _STRING.sub(
+        lambda found: found[0] if len(found[0]) < LONG or json.loads(found[0]) in code else '""', notebook
+    )
 
 
 def _sweep(grader: Grader, parsed: ParsedSubmission, assignment: Assignment) -> SweepResult:
@@ -170,7 +193,9 @@ def _draw(graded: Graded, options: GradeOptions) -> dict[str, bytes]:
     """Return figures, contact sheets and the chart of a sweep by file name, if pictures are requested."""
     if not options.formats:
         return {}
-    drawn = {Path(name).name: sheet for name, sheet in rendering.pack(graded).items() if name.endswith(".png")}
+    drawn = {
+        Path(name).name: sheet for name, sheet in rendering.pack(graded).items() if name.endswith(".png")
+    }
     swept = graded.report.sweep
     if swept and swept.points:
         drawn["sweep.svg"] = rendering.draw_sweep(swept)
@@ -179,5 +204,7 @@ def _draw(graded: Graded, options: GradeOptions) -> dict[str, bytes]:
         assert figure is not None
         for image_format in options.formats:
             seed = graded.report.provenance.seed
-            drawn[f"{picture.name}.{image_format}"] = rendering.draw(options.assignment, figure, graded.arrays, seed, image_format)
+            drawn[f"{picture.name}.{image_format}"] = rendering.draw(
+                options.assignment, figure, graded.arrays, seed, image_format
+            )
     return drawn

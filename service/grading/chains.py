@@ -1,4 +1,6 @@
-"""Chains of questions: one that uses an earlier function is judged with the reference where the student's function is wrong."""
+"""Chains of questions: one that uses an earlier function is judged with the reference where the student's
+function is wrong.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -17,7 +19,9 @@ Passes = Callable[[Check, PlayedJob, CrossCheck], bool]
 
 @dataclass
 class Chains:
-    """Which functions the questions used: the ``remarks`` on a scene's outcomes, and what each question ``used`` by its id."""
+    """Which functions the questions used: the ``remarks`` on a scene's outcomes, and what each question
+    ``used`` by its id.
+    """
 
     remarks: dict[str, list[str]] = field(default_factory=dict)
     used: dict[str, str] = field(default_factory=dict)
@@ -32,14 +36,19 @@ def with_used(assignment: Assignment, wanted: Iterable[str]) -> set[str]:
     return found
 
 
-def play_chains(assignment: Assignment, played: PlayedJob, crossed: CrossCheck, play: Play, passes: Passes) -> Chains:
-    """Play the scenes of a question again with reference functions if a check of it fails and a function that it uses is wrong.
+def play_chains(
+    assignment: Assignment, played: PlayedJob, crossed: CrossCheck, play: Play, passes: Passes
+) -> Chains:
+    """Play the scenes of a question again with reference functions if a check of it fails and a function that
+    it uses is wrong.
 
-    The new results replace those in ``played`` and ``crossed``, unless fewer checks pass. A function that passes its checks only
-    with reference functions is used together with them.
+    The new results replace those in ``played`` and ``crossed``, unless fewer checks pass. A function that
+    passes its checks only with reference functions is used together with them.
     """
     chains = Chains()
-    needed: dict[str, set[str]] = {}  # by function: those to replace so that it is right, itself if it is wrong
+    needed: dict[
+        str, set[str]
+    ] = {}  # by function: those to replace so that it is right, itself if it is wrong
     for question, names in _questions(assignment, played.job):
         checks = [check for check in assignment.checks() if check.scenes and names.issuperset(check.scenes)]
         passed = sum(passes(check, played, crossed) for check in checks)
@@ -55,20 +64,28 @@ def play_chains(assignment: Assignment, played: PlayedJob, crossed: CrossCheck, 
             else:
                 passed = found
                 _adopt(names, played, crossed, *again)
-                chains.remarks |= {name: [_remark(function, played) for function in sorted(replaced)] for name in names}
+                chains.remarks |= {
+                    name: [_remark(function, played) for function in sorted(replaced)] for name in names
+                }
         else:
             replaced = set()
         if uses := question.get("uses"):
             used = dict.fromkeys(uses, "the submission's") | dict.fromkeys(sorted(replaced), "the reference")
             chains.used[question["id"]] = ", ".join(f"{whose} {name}" for name, whose in used.items())
-        needed.setdefault(question["function"], set()).update(replaced if passed == len(checks) else {question["function"]})
+        needed.setdefault(question["function"], set()).update(
+            replaced if passed == len(checks) else {question["function"]}
+        )
     return chains
 
 
 def _questions(assignment: Assignment, job: Job) -> Iterator[tuple[Mapping[str, Any], set[str]]]:
     """Yield each question that is part of a chain, with the names of its scenes."""
     asked = {scene.name for scene in job.scenes}
-    scenes = [(scene.question, scene.name) for scene in assignment.scenes if scene.name in asked and scene.question is not None]
+    scenes = [
+        (scene.question, scene.name)
+        for scene in assignment.scenes
+        if scene.name in asked and scene.question is not None
+    ]
     used = {name for question, _ in scenes for name in question.get("uses", ())}
     for _, group in groupby(scenes, lambda scene: scene[0]["id"]):
         (question, name), *others = group
@@ -76,7 +93,9 @@ def _questions(assignment: Assignment, job: Job) -> Iterator[tuple[Mapping[str, 
             yield question, {name, *(other for _, other in others)}
 
 
-def _adopt(names: set[str], played: PlayedJob, crossed: CrossCheck, again: PlayedJob, crossed_again: CrossCheck) -> None:
+def _adopt(
+    names: set[str], played: PlayedJob, crossed: CrossCheck, again: PlayedJob, crossed_again: CrossCheck
+) -> None:
     for name in names:
         played.result.arrays.pop(name, None)
         played.result.scene_ends.pop(name, None)

@@ -1,6 +1,7 @@
 """Draw the charts of the reference methods as SVG: speed against accuracy, and where methods fail.
 
-Charts are as wide as a phone, with 8 to 9 px text there. Curves have their names beside them, not in a legend.
+Charts are as wide as a phone, with 8 to 9 px text there. Curves have their names beside them, not in a
+legend.
 """
 
 import io
@@ -12,7 +13,13 @@ from typing import Any
 from ecp.outcome import SweptPoint
 
 WIDE = 4.8  # inches
-COLORS = ("#0060a8", "#b34700", "#00735a", "#a23b7a", "#6b5900")  # differ in lightness too, and can be read as text
+COLORS = (
+    "#0060a8",
+    "#b34700",
+    "#00735a",
+    "#a23b7a",
+    "#6b5900",
+)  # differ in lightness too, and can be read as text
 GREY, FRONT, YOURS = "0.58", "#1a1a1a", "#c0006a"
 STYLES = ("-", "--", ":", "-.")
 MARKS = "osv^D<>"
@@ -33,7 +40,9 @@ SHORT = {
     "Moser-Veselov 6": "MV 6",
 }
 EXACT_ERROR = 1.5e-15  # largest error of R over the 2100 bodies of tests/reference/truth.npz
-TOP_EXACT_ERROR = 5.1e-14  # largest error of R over 100 nutations of the tops of tests/reference/top_truth.npz
+TOP_EXACT_ERROR = (
+    5.1e-14  # largest error of R over 100 nutations of the tops of tests/reference/top_truth.npz
+)
 LEAST = 1e-17  # where a log axis shows zero
 LEAST_S = 1e-6  # shorter times are shown as this one
 GAP = 9.0  # points between two labels
@@ -48,21 +57,32 @@ XLABELS = {
     "spin": "ω₃ / limit of the sleeping top",
 }
 CALLS = "evaluations of the right-hand side"
-ATLAS: dict[str, tuple[str, dict[str, str], str]] = {  # by entry: what varies, the columns shown with their names, the y label
+ATLAS: dict[
+    str, tuple[str, dict[str, str], str]
+] = {  # by entry: what varies, the columns shown with their names, the y label
     "energy drifts": ("periods", {"energy": ""}, "relative error of the energy"),
     "orthonormality is lost": ("periods", {"orthonormality": ""}, "largest |RᵀR − 1|"),
     "the wrong side of the separatrix": ("nudge", {"error": ""}, "relative error of ω"),
     "large steps blow up": ("angle", {"momentum": ""}, "relative error of |L|"),
     "gimbal lock": ("tilt", {"calls": "Euler angles", "matrix calls": "matrix form"}, CALLS),
-    "gimbal lock of the heavy top": ("tilt", {"calls": "Euler angles", "matrix calls": "matrix form"}, CALLS),
-    "the sleeping top wakes": ("spin", {"largest tilt": "DOP853", "exact tilt": "exact"}, "largest tilt / rad"),
+    "gimbal lock of the heavy top": (
+        "tilt",
+        {"calls": "Euler angles", "matrix calls": "matrix form"},
+        CALLS,
+    ),
+    "the sleeping top wakes": (
+        "spin",
+        {"largest tilt": "DOP853", "exact tilt": "exact"},
+        "largest tilt / rad",
+    ),
     "rods cost": ("ratio", {"calls": ""}, CALLS),
 }
 ERRORS = {"error": "ω", "energy": "energy", "momentum": "|L|", "orthonormality": "RᵀR − 1"}
 
 
 def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[SweptPoint] = ()) -> bytes:
-    """Draw error against CPU time and against calls for one scene, log-log, as SVG. Add ``yours``, the points of a submission.
+    """Draw error against CPU time and against calls for one scene, log-log, as SVG. Add ``yours``, the points
+    of a submission.
 
     A scene that the reference methods did not measure, such as another assignment's, shows ``yours`` alone.
     """
@@ -79,8 +99,12 @@ def _style() -> Iterator[None]:
 
 
 @_style()
-def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Sequence[SweptPoint]], whose: str = "class") -> bytes:
-    """Draw the same chart with the points of many submissions, of which each method has its mark, named in a key above."""
+def draw_class(
+    document: dict[str, Any], scene: str, submissions: Sequence[Sequence[SweptPoint]], whose: str = "class"
+) -> bytes:
+    """Draw the same chart with the points of many submissions, of which each method has its mark, named in a
+    key above.
+    """
     points = [p for p in document["points"] if p["scene"] == scene]
     of_lines = {name: [p for p in points if p["line"] in lines] for name, lines in FAMILIES.items()}
     families = {name: found for name, found in of_lines.items() if found}
@@ -107,7 +131,9 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
     marks, methods = by_calls.get_legend_handles_labels()
     if methods:  # names beside the curves would cover each other where many submissions are alike
         names = [f"{whose}, {method}" for method in methods]
-        by_time.legend(marks, names, ncols=2, loc="lower left", bbox_to_anchor=(0, 1), frameon=False, labelcolor=YOURS)
+        by_time.legend(
+            marks, names, ncols=2, loc="lower left", bbox_to_anchor=(0, 1), frameon=False, labelcolor=YOURS
+        )
     for number, (name, own) in enumerate(families.items()):
         axes = canvas.add_subplot(grid[2 + number // 2, number % 2], sharey=by_time)
         axes.set_xlim(by_time.get_xlim())
@@ -124,7 +150,8 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
 
 
 def front(points: Iterable[dict[str, Any]], column: str) -> list[dict[str, Any]]:
-    """Return the Pareto front: the points than which no other is both at most as expensive and more accurate, cheapest first.
+    """Return the Pareto front: the points than which no other is both at most as expensive and more accurate,
+    cheapest first.
 
     ``column`` is the cost. The closed form and methods that diverged are left out.
     """
@@ -144,7 +171,9 @@ def error(point: dict[str, Any]) -> float | None:
 
 @_style()
 def draw_stability(document: dict[str, Any], number: int) -> bytes:
-    """Draw one entry of the atlas as SVG: one quantity against what varies, the errors of one run, or the map of growth rates."""
+    """Draw one entry of the atlas as SVG: one quantity against what varies, the errors of one run, or the map
+    of growth rates.
+    """
     entry = document["entries"][number]
     rows = entry["rows"]
     if "predicted" in rows[0]:
@@ -200,27 +229,51 @@ def _draw_front(axes: Any, points: list[dict[str, Any]], scene: str, column: str
     ends, last = [], ""
     for point in best:
         if point["method"] != last:
-            ends.append((point[column], _errors([point], scene)[0], SHORT.get(point["method"], point["method"]), FRONT))
+            ends.append(
+                (
+                    point[column],
+                    _errors([point], scene)[0],
+                    SHORT.get(point["method"], point["method"]),
+                    FRONT,
+                )
+            )
         last = point["method"]
     exact = [p for p in points if p["method"] == "exact"]
     for point in exact:
         axes.loglog([point[column]], _errors([point], scene), marker="*", ms=11, color=COLORS[0])
-        axes.annotate("exact", (point[column], _errors([point], scene)[0]), (6, 4), textcoords="offset points", color=COLORS[0])
+        axes.annotate(
+            "exact",
+            (point[column], _errors([point], scene)[0]),
+            (6, 4),
+            textcoords="offset points",
+            color=COLORS[0],
+        )
     free = float("inf")
     for x, y, name, color in ends:  # from above to below; left of the front nothing is drawn
         at = math.log10(y)
         if free - at >= APART and y <= ERROR_RANGE[1]:
-            axes.annotate(name, (x, y), (-5, -2), textcoords="offset points", ha="right", va="top", color=color, fontsize=8)
+            axes.annotate(
+                name,
+                (x, y),
+                (-5, -2),
+                textcoords="offset points",
+                ha="right",
+                va="top",
+                color=color,
+                fontsize=8,
+            )
             free = at
 
 
 def _draw_own(axes: Any, submissions: Sequence[Sequence[SweptPoint]], column: str) -> None:
     """Draw the points of submissions with open marks, a mark and a line style for each method.
 
-    CPU time is relative to a submission's own run of the notebook's setting; steppers, which have no such run, have theirs in
-    seconds.
+    CPU time is relative to a submission's own run of the notebook's setting; steppers, which have no such
+    run, have theirs in seconds.
     """
-    size: dict[str, Any] = {"ms": 3, "lw": 0.4, "alpha": 0.5} if len(submissions) > 1 else {"ms": 6, "lw": 1.4}
+    size: dict[str, Any] = (
+        {"ms": 3, "lw": 0.4, "alpha": 0.5} if len(submissions) > 1 else {"ms": 6, "lw": 1.4}
+    )
     for number, method in enumerate(dict.fromkeys(p.method for swept in submissions for p in swept)):
         mark, line, label = MARKS[number % len(MARKS)], STYLES[number % len(STYLES)], method
         for swept in submissions:
@@ -228,7 +281,10 @@ def _draw_own(axes: Any, submissions: Sequence[Sequence[SweptPoint]], column: st
             points = [p for p in swept if p.method == method and p.error is not None]
             if not points or (column == "ratio" and not unit):
                 continue
-            costs = [float(p.calls) if column == "calls" else max(p.seconds, LEAST_S) / max(unit or 1.0, LEAST_S) for p in points]
+            costs = [
+                float(p.calls) if column == "calls" else max(p.seconds, LEAST_S) / max(unit or 1.0, LEAST_S)
+                for p in points
+            ]
             errors = [max(p.error or 0.0, LEAST) for p in points]
             axes.loglog(costs, errors, color=YOURS, marker=mark, mfc="none", ls=line, label=label, **size)
             label = ""
@@ -240,7 +296,9 @@ def _unit_s(yours: Sequence[SweptPoint]) -> float | None:
 
 
 def _label_ends(axes: Any, ends: list[tuple[float, float, str, str]]) -> None:
-    """Write the name of each curve right of the axes, at the height of its end (x, y) or as near as the others let it."""
+    """Write the name of each curve right of the axes, at the height of its end (x, y) or as near as the
+    others let it.
+    """
     height = axes.get_position().height * axes.figure.get_figheight() * 72
     (least, most), found = axes.get_ylim(), sorted((y, name, color) for _, y, name, color in ends)
     share = [math.log(min(max(y, least), most) / least) / math.log(most / least) for y, _, _ in found]
@@ -250,18 +308,23 @@ def _label_ends(axes: Any, ends: list[tuple[float, float, str, str]]) -> None:
     for k in range(len(places) - 1, -1, -1):  # those that were pushed out of the axes, down again
         places[k] = min(places[k], places[k + 1] - GAP if k + 1 < len(places) else height)
     for place, (_, name, color) in zip(places, found, strict=True):
-        axes.annotate(name, (1.0, place / height), (3, 0), xycoords="axes fraction", textcoords="offset points", color=color,
+        axes.annotate(name, (1.0, place / height), (3, 0), xycoords="axes fraction",
+            textcoords="offset points", color=color,
                       fontsize=8, va="center")  # fmt: skip
 
 
-def _draw_against(axes: Any, rows: list[dict[str, Any]], varied: str, columns: dict[str, str], label: str) -> None:
+def _draw_against(
+    axes: Any, rows: list[dict[str, Any]], varied: str, columns: dict[str, str], label: str
+) -> None:
     """Draw the columns against what varies. A run that diverged is a cross at the upper edge."""
     series = list(dict.fromkeys((r.get("method", ""), r.get("setting")) for r in rows))
     ends, diverged = [], []
     curves = [(one, column, name) for one in series for column, name in columns.items()]
     for number, (one, column, name) in enumerate(curves):
         color, style = COLORS[number % len(COLORS)], STYLES[number if name else 0]
-        own = sorted((r for r in rows if (r.get("method", ""), r.get("setting")) == one), key=lambda r: r[varied])
+        own = sorted(
+            (r for r in rows if (r.get("method", ""), r.get("setting")) == one), key=lambda r: r[varied]
+        )
         points = [(r[varied], max(r[column], LEAST)) for r in own if r[column] is not None]
         text = name or one[0] + (f", {one[1]:g}" if one[1] else "")
         diverged += [(r[varied], color) for r in own if r[column] is None]
@@ -290,7 +353,14 @@ def _draw_errors(axes: Any, row: dict[str, Any]) -> None:
     for place, column in enumerate(reversed(ERRORS)):
         color = COLORS[1] if row[column] > 1e-6 else COLORS[0]
         axes.hlines(place, 1e-16, row[column], color=color, lw=5)
-        axes.annotate(f"{row[column]:.1g}", (row[column], place), (5, 0), textcoords="offset points", va="center", color=color)
+        axes.annotate(
+            f"{row[column]:.1g}",
+            (row[column], place),
+            (5, 0),
+            textcoords="offset points",
+            va="center",
+            color=color,
+        )
     axes.set_xscale("log")
     axes.set_yticks(range(len(ERRORS)), [*ERRORS.values()][::-1])
     axes.set(xlim=(1e-16, 1e3), xlabel=f"relative error of {row['method']} after {row['periods']:g} periods")
@@ -302,7 +372,14 @@ def _draw_growth_map(canvas: Any, rows: list[dict[str, Any]]) -> None:
     against.plot([0, max(predicted)], [0, max(predicted)], color=GREY)
     against.plot(predicted, measured, ".", color=COLORS[0])
     against.set(xlabel="predicted growth rate σ / Ω", ylabel="measured σ / Ω")
-    against.annotate("equal", (max(predicted), max(predicted)), (-6, -2), textcoords="offset points", ha="right", color="0.35")
+    against.annotate(
+        "equal",
+        (max(predicted), max(predicted)),
+        (-6, -2),
+        textcoords="offset points",
+        ha="right",
+        color="0.35",
+    )
     dots = where.scatter([r["I1"] for r in rows], [r["I2"] for r in rows], c=predicted, s=45)
     canvas.colorbar(dots, ax=where, label="predicted σ / Ω")
     where.set(xlabel="I₁ / I₃", ylabel="I₂ / I₃")

@@ -25,7 +25,8 @@ N = TypeVar("N", bound=_Named)
 
 
 def write_work_precision(names: list[str] | None, out: Path) -> Path:
-    """Measure the scenes whose names contain one of ``names`` (None: all). Write work-precision.{csv,json} and an SVG per scene.
+    """Measure the scenes whose names contain one of ``names`` (None: all). Write work-precision.{csv,json}
+    and an SVG per scene.
 
     Raises ValueError if no scene matches.
     """
@@ -43,10 +44,14 @@ def write_work_precision(names: list[str] | None, out: Path) -> Path:
 
 
 def _named(known: Sequence[N], names: list[str] | None) -> list[N]:
-    """Return the elements whose names contain one of ``names`` (None: all). Raises ValueError if there is none."""
+    """Return the elements whose names contain one of ``names`` (None: all). Raises ValueError if there is
+    none.
+    """
     chosen = [one for one in known if names is None or any(name in one.name for name in names)]
     if not chosen:
-        raise ValueError(f"no scene matches {', '.join(names or [])}; available: {', '.join(one.name for one in known)}")
+        raise ValueError(
+            f"no scene matches {', '.join(names or [])}; available: {', '.join(one.name for one in known)}"
+        )
     return chosen
 
 
@@ -63,12 +68,17 @@ def scenes(document: dict[str, Any]) -> list[str]:
 
 
 def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the points with an error of at most 1e-8 that cost less CPU time than the exact solution of their scene."""
+    """Return the points with an error of at most 1e-8 that cost less CPU time than the exact solution of
+    their scene.
+    """
     price = {p["scene"]: p["ratio"] for p in document["points"] if p["method"] == "exact"}
     return [
         p
         for p in document["points"]
-        if p["line"] != "closed form" and error(p) is not None and (error(p) or 0.0) <= 1e-8 and p["ratio"] < price[p["scene"]]
+        if p["line"] != "closed form"
+        and error(p) is not None
+        and (error(p) or 0.0) <= 1e-8
+        and p["ratio"] < price[p["scene"]]
     ]
 
 
@@ -100,7 +110,8 @@ def _finite(value: Any) -> Any:
 
 
 def write_stability(names: list[str] | None, out: Path) -> Path:
-    """Measure the atlas entries whose names contain one of ``names`` (None: all). Write stability.json, a CSV and an SVG per entry.
+    """Measure the atlas entries whose names contain one of ``names`` (None: all). Write stability.json, a CSV
+    and an SVG per entry.
 
     Raises ValueError if no entry matches.
     """

@@ -1,4 +1,6 @@
-"""Verification of results: repeat questions in a second child, and compare motions with the function that computes them."""
+"""Verification of results: repeat questions in a second child, and compare motions with the function that
+computes them.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,21 +22,29 @@ NOT_FINISHED = "not run: it needs the scene {}, which did not finish"
 
 @dataclass
 class CrossCheck:
-    """The result of ``cross_check``: ``unsteady`` scenes, whose answers differ when repeated, and how each motion was verified."""
+    """The result of ``cross_check``: ``unsteady`` scenes, whose answers differ when repeated, and how each
+    motion was verified.
+    """
 
     unsteady: set[str] = field(default_factory=set)
     how: dict[str, str] = field(default_factory=dict)
 
 
 def may_be_spared(scene: Scene) -> bool:
-    """Return whether answers at points can make it unnecessary to play a scene, a motion with drawn inputs."""
+    """Return whether answers at points can make it unnecessary to play a scene,
+    a motion with drawn inputs.
+    """
     return scene.drive is not None and scene.drive.along is not None and callable(scene.inputs)
 
 
-def cross_check(assignment: Assignment, played: PlayedJob, second: SecondChild, sandbox: Sandbox) -> CrossCheck:
-    """Repeat questions in a second child and compare. Replace motions that do not follow the student's function by ones that do.
+def cross_check(
+    assignment: Assignment, played: PlayedJob, second: SecondChild, sandbox: Sandbox
+) -> CrossCheck:
+    """Repeat questions in a second child and compare. Replace motions that do not follow the student's
+    function by ones that do.
 
-    Of the motions ``second.spared``, which have not been played, play those whose error the answers at points do not bound.
+    Of the motions ``second.spared``, which have not been played, play those whose error the answers at points
+    do not bound.
     """
     result = played.result
     checked = CrossCheck()
@@ -52,10 +62,12 @@ def cross_check(assignment: Assignment, played: PlayedJob, second: SecondChild, 
             computed = "computed in the sandbox"
             if scene.name in played.recalled:
                 computed = (
-                    f"not integrated: {scene.function} repeats one of every four calls of a recorded integration, bit for bit"
+                    f"not integrated: {scene.function} repeats one of every four calls of a recorded"
+                    " integration, bit for bit"
                 )
             checked.how[scene.name] = (
-                f"{computed}; {scene.function} is verified by {proof}, at random and along the notebook's motions"
+                f"{computed}; {scene.function} is verified by {proof}, at random and along the notebook's"
+                " motions"
             )
         else:
             doubtful.append(scene)
@@ -65,7 +77,11 @@ def cross_check(assignment: Assignment, played: PlayedJob, second: SecondChild, 
 
 
 def _take_bounded(
-    assignment: Assignment, played: PlayedJob, along: Mapping[str, Inputs], answers: Mapping[str, Arrays], checked: CrossCheck
+    assignment: Assignment,
+    played: PlayedJob,
+    along: Mapping[str, Inputs],
+    answers: Mapping[str, Arrays],
+    checked: CrossCheck,
 ) -> None:
     """Add the results of the scenes whose error their answers ``along`` the exact motion bound."""
     for name, found in answers.items():
@@ -75,18 +91,30 @@ def _take_bounded(
             continue
         arrays = scene.drive.bounded(played.inputs[name], played.truths[name], along[name], found)
         if arrays is not None:
-            checked.how[name] = f"not integrated; {scene.function} is verified at points along the exact motion"
+            checked.how[name] = (
+                f"not integrated; {scene.function} is verified at points along the exact motion"
+            )
             played.result.arrays[name] = dict(arrays)
-            played.result.scene_ends[name] = SceneEnd(scene=name, ended=Ended.FINISHED, sentence=checked.how[name])
+            played.result.scene_ends[name] = SceneEnd(
+                scene=name, ended=Ended.FINISHED, sentence=checked.how[name]
+            )
 
 
-def _play_rest(assignment: Assignment, played: PlayedJob, rest: Sequence[SceneRequest], sandbox: Sandbox) -> None:
+def _play_rest(
+    assignment: Assignment, played: PlayedJob, rest: Sequence[SceneRequest], sandbox: Sandbox
+) -> None:
     """Play the scenes ``rest``, unless the one that they come after did not finish."""
     result = played.result
     for p in rest:
         if not result.finished(str(p.after)):
-            followers = [other.name for other in played.job.scenes if other.after == p.after]  # these ended with the child, maybe
-            ends = [result.scene_ends[name] for name in followers if name in result.scene_ends and not result.finished(name)]
+            followers = [
+                other.name for other in played.job.scenes if other.after == p.after
+            ]  # these ended with the child, maybe
+            ends = [
+                result.scene_ends[name]
+                for name in followers
+                if name in result.scene_ends and not result.finished(name)
+            ]
             ends += [SceneEnd(scene=p.name, ended=Ended.NOT_PLAYED, sentence=NOT_FINISHED.format(p.after))]
             result.scene_ends[p.name] = replace(ends[0], scene=p.name)
     if left := tuple(p for p in rest if p.name not in result.scene_ends):
@@ -104,7 +132,9 @@ def _drive(
     rng: np.random.Generator,
     checked: CrossCheck,
 ) -> None:
-    """Compare stretches of these motions with the host's integration of the function, and replace motions that do not follow it."""
+    """Compare stretches of these motions with the host's integration of the function, and replace motions
+    that do not follow it.
+    """
     inputs, result = played.inputs, played.result
 
     def driver(scene: Scene) -> Any:
@@ -120,20 +150,31 @@ def _drive(
         return drive
 
     requests = tuple(
-        SceneRequest(s.name, s.drive.play, s.function, {}, s.drive.returns, DRIVE_S, None, driver(s)) for s in scenes if s.drive
+        SceneRequest(s.name, s.drive.play, s.function, {}, s.drive.returns, DRIVE_S, None, driver(s))
+        for s in scenes
+        if s.drive
     )
     answered = play(replace(played.job, scenes=requests), assignment, sandbox, budget=played.budget)
     for scene in scenes:
         follows, motion = answered.driven.get(scene.name, (False, None))
         if follows:
-            checked.how[scene.name] = f"computed in the sandbox; follows {scene.function} where the host called it"
+            checked.how[scene.name] = (
+                f"computed in the sandbox; follows {scene.function} where the host called it"
+            )
         elif motion is not None:
             result.arrays[scene.name] = dict(motion)
-            checked.how[scene.name] = f"integrated by the host: the motion computed in the sandbox does not follow {scene.function}"
+            checked.how[scene.name] = (
+                f"integrated by the host: the motion computed in the sandbox does not follow {scene.function}"
+            )
         else:
             scene_end = answered.scene_ends.get(scene.name)
-            reason = scene_end.sentence if scene_end and scene_end.ended is not Ended.FINISHED else "integration failed"
+            reason = (
+                scene_end.sentence
+                if scene_end and scene_end.ended is not Ended.FINISHED
+                else "integration failed"
+            )
             discard(result, scene.name, Ended.NOT_PLAYED, f"called by the server: {reason}")
             checked.how[scene.name] = (
-                f"the motion computed in the sandbox does not follow {scene.function}, and the host could not integrate it"
+                f"the motion computed in the sandbox does not follow {scene.function}, and the host could not"
+                " integrate it"
             )

@@ -33,15 +33,19 @@ log = logging.getLogger(__name__)
 OnProgress = Callable[[str, int, int], None]
 """A function called with the phase, the number of the scene in order, and the number of scenes."""
 Causes = Callable[[str], list[Diagnosis]]
-"""A function that returns the diagnoses of a scene's results, given its name, or of a question's, given its id."""
+"""A function that returns the diagnoses of a scene's results, given its name, or of a question's, given its
+id.
+"""
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 
 @dataclass(frozen=True)
 class Graded:
-    """A report, the exercises it covers, the arrays it was judged from, by scene, and the CPU time used in the sandbox.
+    """A report, the exercises it covers, the arrays it was judged from, by scene, and the CPU time used in
+    the sandbox.
 
-    Figures are drawn from the arrays. Those of ``recorded`` scenes are from recordings, which many submissions share.
+    Figures are drawn from the arrays. Those of ``recorded`` scenes are from recordings, which many
+    submissions share.
     """
 
     report: Report
@@ -66,9 +70,10 @@ def grade(
 ) -> Graded:
     """Grade the exercises ``numbers`` (None: every exercise that the submission attempts).
 
-    ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those that the assignment
-    declares if they are longer; scenes that are left have then timed out. Raises UnknownExercise, and SystemFault if the sandbox
-    fails, a package of the assignment is not installed, or the assignment's own code fails.
+    ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those
+    that the assignment declares if they are longer; scenes that are left have then timed out. Raises
+    UnknownExercise, and SystemFault if the sandbox fails, a package of the assignment is not installed, or
+    the assignment's own code fails.
     """
     with author_errors(assignment):
         try:
@@ -93,11 +98,15 @@ def _grade(
     needed = _with_precursors(assignment, with_used(assignment, wanted))
     scenes = [s for s in assignment.scenes if s.name in needed]
     limits = sandbox.limits.at_least(assignment.cpu_s)
-    sandbox.start_child(job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), TimeBudget(limits))
+    sandbox.start_child(
+        job_of(submission, assignment, [s for s in scenes if not may_be_spared(s)]), TimeBudget(limits)
+    )
     inputs = {s.name: draw_inputs(s, seed) for s in scenes}
     job, budget = job_of(submission, assignment, scenes, inputs, seed), TimeBudget(limits)
 
-    def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
+    def play_and_check(
+        job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None
+    ) -> tuple[PlayedJob, CrossCheck]:
         spared = [p for p in job.scenes if may_be_spared(assignment.scene(p.name))]
         first = job.without({p.name for p in spared})
         with SecondChild(assignment, spared, sandbox, seed) as second:
@@ -105,7 +114,9 @@ def _grade(
             result = played.result
             on_progress("judging", len(first.scenes), len(first.scenes))
             crossed = cross_check(assignment, played, second, sandbox)
-        result.scene_ends = {p.name: result.scene_ends[p.name] for p in job.scenes if p.name in result.scene_ends}
+        result.scene_ends = {
+            p.name: result.scene_ends[p.name] for p in job.scenes if p.name in result.scene_ends
+        }
         _add_known_arrays(assignment, result, played.truths)
         return played, crossed
 
@@ -129,7 +140,13 @@ def _grade(
         scene_ends=[*result.cells.values(), *(e for e in result.scene_ends.values() if e.scene in reported)],
         stdout=result.stdout,
         notebook_checks=_notebook_checks(result),
-        provenance=Provenance(seed, versions(assignment.packages), sandbox.isolation.name, motions=crossed.how, chains=chains.used),
+        provenance=Provenance(
+            seed,
+            versions(assignment.packages),
+            sandbox.isolation.name,
+            motions=crossed.how,
+            chains=chains.used,
+        ),
         not_attempted=missed,
     )
     numbers = [e.number for e in asked]
@@ -139,7 +156,9 @@ def _grade(
 
 
 def _judged(recalled: Mapping[str, Recording], shown: Mapping[str, Arrays]) -> dict[str, Recording]:
-    """Return the recordings whose arrays were judged. Others have been replaced by a motion that the host has integrated."""
+    """Return the recordings whose arrays were judged. Others have been replaced by a motion that the host has
+    integrated.
+    """
     return {
         scene: one
         for scene, one in recalled.items()
@@ -160,19 +179,29 @@ def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exerci
 def missing_packages(assignment: Assignment) -> str:
     """Return a sentence that names the assignment's packages that are not installed, or ""."""
     absent = ", ".join(packages.missing(assignment.packages))
-    return f"assignment {assignment.slug} needs packages that are not installed on this server: {absent}" if absent else ""
+    return (
+        f"assignment {assignment.slug} needs packages that are not installed on this server: {absent}"
+        if absent
+        else ""
+    )
 
 
 def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
-    """Return the exercises that a submission attempts, and those with lines of published cells, which always run."""
+    """Return the exercises that a submission attempts, and those with lines of published cells, which always
+    run.
+    """
     tried = attempted(exercises, defined)
     return [e for e in exercises if e in tried or any(isinstance(check, ReportedLine) for check in e.checks)]
 
 
 @functools.cache
 def versions(more: tuple[str, ...] = ()) -> dict[str, str]:
-    """Return the versions of Python and of the packages that results depend on, ``more`` of an assignment among them."""
-    return {"python": platform.python_version()} | {name: packages.version(name) for name in (*VERSIONS_OF, *more)}
+    """Return the versions of Python and of the packages that results depend on, ``more`` of an assignment
+    among them.
+    """
+    return {"python": platform.python_version()} | {
+        name: packages.version(name) for name in (*VERSIONS_OF, *more)
+    }
 
 
 def _play(
@@ -185,8 +214,8 @@ def _play(
     second: SecondChild,
     on_progress: OnProgress,
 ) -> PlayedJob:
-    """Play the job, and start the ``second`` child as soon as possible. Return the job with its result and the exact answers, also
-    of the scenes spared, computed meanwhile.
+    """Play the job, and start the ``second`` child as soon as possible. Return the job with its result and
+    the exact answers, also of the scenes spared, computed meanwhile.
     """
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
@@ -209,7 +238,12 @@ def _play(
         scene = assignment.scene(name)
         if scene.recorded and (number := result.arrays[name].get("recorded")) is not None:
             if (known := scene.recorded.recall(number)) is None:
-                discard(result, name, Ended.WRONG_ANSWER, "the play returned the number of a recorded motion that does not exist")
+                discard(
+                    result,
+                    name,
+                    Ended.WRONG_ANSWER,
+                    "the play returned the number of a recorded motion that does not exist",
+                )
                 continue
             result.arrays[name], recalled[name] = dict(known.arrays), known
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None
@@ -221,14 +255,22 @@ def _play(
     for scene_end in (*result.cells.values(), *result.scene_ends.values()):
         if scene_end.ended is Ended.RAISED and scene_end.sentence.startswith("ModuleNotFoundError: "):
             scene_end.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
-    truths = {name: arrays for name, arrays in exact.items() if name in {*result.arrays, *(p.name for p in second.spared)}}
+    truths = {
+        name: arrays
+        for name, arrays in exact.items()
+        if name in {*result.arrays, *(p.name for p in second.spared)}
+    }
     return PlayedJob(job, inputs, truths, result, budget, recalled)
 
 
 def _notebook_checks(result: PlayResult) -> list[NotebookCheck]:
     if not result.claims_left_out:
         return result.claims
-    more = Claim("check", f"{result.claims_left_out} more checks", left_out=f"at most {len(result.claims)} are accepted")
+    more = Claim(
+        "check",
+        f"{result.claims_left_out} more checks",
+        left_out=f"at most {len(result.claims)} are accepted",
+    )
     return [*result.claims, more.outcome("")]
 
 
@@ -293,11 +335,17 @@ def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapp
 
 
 def _cause(scene: Scene, result: PlayResult) -> str:
-    """Return why a scene has no result: its own scene end, that of the scene it comes after, or that of a failed cell."""
+    """Return why a scene has no result: its own scene end, that of the scene it comes after, or that of a
+    failed cell.
+    """
     scene_end = result.scene_ends.get(scene.name)
     if scene_end is None:
         return "your code stopped before this scene was played"
-    if scene_end.ended is Ended.NOT_PLAYED and scene.after in result.scene_ends and not result.finished(scene.after):
+    if (
+        scene_end.ended is Ended.NOT_PLAYED
+        and scene.after in result.scene_ends
+        and not result.finished(scene.after)
+    ):
         scene_end = result.scene_ends[scene.after]
     if scene_end.ended is Ended.MISSING and (failed := _failed_cell(result)):
         return f"{scene_end.sentence}; {failed.scene} stopped with {failed.sentence}"
@@ -310,16 +358,23 @@ def _cause_of_cell(cell: str, result: PlayResult) -> str:
         return "the cell did not reach this line, or your code stopped before"
     failed = next(iter(result.cells.values()))
     stopped = f"the validation cell stopped with {result.cells[cell].sentence}"
-    return stopped if failed.scene == cell else f"{stopped}; before it, {failed.scene} stopped with {failed.sentence}"
+    return (
+        stopped
+        if failed.scene == cell
+        else f"{stopped}; before it, {failed.scene} stopped with {failed.sentence}"
+    )
 
 
 def _failed_cell(result: PlayResult) -> SceneEnd | None:
-    """Return the failed cell if there is only one. With several, it is unknown which of them should define a function."""
+    """Return the failed cell if there is only one. With several, it is unknown which of them should define a
+    function.
+    """
     return next(iter(result.cells.values())) if len(result.cells) == 1 else None
 
 
 def _diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced: Causes) -> list[Diagnosis]:
-    """Return the diagnoses of a scene, or none if the assignment's diagnosis fails, which must not prevent a report.
+    """Return the diagnoses of a scene, or none if the assignment's diagnosis fails, which must not prevent a
+    report.
 
     ``reproduced`` returns those of a question by its id.
     """
@@ -329,7 +384,9 @@ def _diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced:
     same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
     try:
         with np.errstate(all="ignore"):
-            found = assignment.diagnose_function(function, {name: (inputs[name], arrays[name]) for name in same})
+            found = assignment.diagnose_function(
+                function, {name: (inputs[name], arrays[name]) for name in same}
+            )
             return assignment.diagnose(scene, inputs[scene], arrays[scene]) if found is None else found
     except Exception:
         log.exception("the diagnosis of scene %s failed", scene)
@@ -345,7 +402,11 @@ def _diagnose_failure(scenes: list[Scene], result: PlayResult, causes: Causes) -
     for scene in scenes:
         for name in (scene.after, scene.name):
             scene_end = result.scene_ends.get(name or "")
-            if scene_end is not None and scene_end.ended is Ended.MISSING and (failed := _failed_cell(result)):
+            if (
+                scene_end is not None
+                and scene_end.ended is Ended.MISSING
+                and (failed := _failed_cell(result))
+            ):
                 scene_end = failed
             if scene_end is not None and scene_end.code is not None:
                 return [Diagnosis(code=scene_end.code, sentence=scene_end.sentence, confidence=1.0)]

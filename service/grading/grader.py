@@ -44,9 +44,11 @@ class Grader:
         self.ready()
         return grade(submission, assignment, self.sandbox, seed, exercises, on_progress=on_progress)
 
-    def sweep(self, submission: Submission, assignment: Assignment, exercises: Collection[str] = ()) -> SweepResult:
-        """Measure speed against accuracy of a submission's function: of the first of the ``exercises`` that has a chart, else of
-        the assignment's first.
+    def sweep(
+        self, submission: Submission, assignment: Assignment, exercises: Collection[str] = ()
+    ) -> SweepResult:
+        """Measure speed against accuracy of a submission's function: of the first of the ``exercises`` that
+        has a chart, else of the assignment's first.
 
         Raises SweepFailed if that is not possible.
         """
@@ -58,7 +60,9 @@ class Grader:
         assert not callable(scene.inputs)
         began = time.monotonic()
         job = job_of(submission, assignment, [scene], {scene.name: scene.inputs})
-        result = play(job, assignment, self.sandbox, budget=TimeBudget(self.sandbox.limits.at_least(assignment.cpu_s)))
+        result = play(
+            job, assignment, self.sandbox, budget=TimeBudget(self.sandbox.limits.at_least(assignment.cpu_s))
+        )
         elapsed = time.monotonic() - began
         if not result.finished(scene.name):
             scene_end = result.scene_ends.get(scene.name)
@@ -71,21 +75,33 @@ class Grader:
         except (ArithmeticError, ValueError) as error:
             raise SweepFailed(f"the results cannot be compared with the exact motion ({error})") from error
         if not rendering.plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:
-            raise SweepFailed("the measurement returned impossible numbers of calls or seconds: submit your functions alone")
+            raise SweepFailed(
+                "the measurement returned impossible numbers of calls or seconds: submit your functions alone"
+            )
         return swept
 
     def grade_and_pack(
-        self, submission: Submission, slug: str, seed: int, exercises: list[str] | None, on_progress: OnProgress
+        self,
+        submission: Submission,
+        slug: str,
+        seed: int,
+        exercises: list[str] | None,
+        on_progress: OnProgress,
     ) -> tuple[Report, dict[str, bytes]]:
         """Grade a submission. Return the report and its artefacts by name. Raises Cancelled, SystemFault."""
         began = time.perf_counter()
         graded = self.grade(submission, find_assignment(slug), seed, exercises, on_progress)
         judged = time.perf_counter()
         packed = rendering.pack(graded)
-        graded.report.provenance.phases_ms = {"grade": 1e3 * (judged - began), "pack": 1e3 * (time.perf_counter() - judged)}
+        graded.report.provenance.phases_ms = {
+            "grade": 1e3 * (judged - began),
+            "pack": 1e3 * (time.perf_counter() - judged),
+        }
         return graded.report, packed
 
     def sweep_and_draw(self, submission: Submission, slug: str) -> tuple[str, bytes]:
-        """Measure speed against accuracy. Return JSON and an SVG chart with the reference methods. Raises SweepFailed."""
+        """Measure speed against accuracy. Return JSON and an SVG chart with the reference methods. Raises
+        SweepFailed.
+        """
         swept = self.sweep(submission, find_assignment(slug))
         return json.dumps(document(swept)), rendering.draw_sweep(swept)

@@ -34,12 +34,15 @@ def job_of(
     inputs: Mapping[str, Inputs] | None = None,
     seed: int = 0,
 ) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` it is one for ``Sandbox.start_child``.
+    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` it is one for
+    ``Sandbox.start_child``.
 
     ``seed`` determines at which calls to compare recordings.
     """
     drawn = None if inputs is None else seed
-    recorded = {s.name: _recorded_inputs(s, s.recorded, drawn) for s in scenes if s.recorded and s.recorded.recordings}
+    recorded = {
+        s.name: _recorded_inputs(s, s.recorded, drawn) for s in scenes if s.recorded and s.recorded.recordings
+    }
     requests = tuple(
         SceneRequest(
             s.name,
@@ -56,7 +59,11 @@ def job_of(
     )
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
-    cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
+    cells = (
+        with_published(submission.cells(), assignment.published)
+        if assignment.published
+        else submission.cells()
+    )
     job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
 

@@ -37,7 +37,9 @@ def read_json(data: bytes, limits: SizeLimits) -> ParsedSubmission:
 
 
 def check_filename(value: object, pointer: str) -> str:
-    """Return a printable file name. Raises BadSubmission, with ``pointer``, unless it ends in .py or .ipynb."""
+    """Return a printable file name. Raises BadSubmission, with ``pointer``,
+    unless it ends in .py or .ipynb.
+    """
     name = "".join(c for c in value if c.isprintable()) if isinstance(value, str) else ""
     if not name.endswith((".py", ".ipynb")):
         raise BadSubmission(f"cannot grade the file {name[:80]!r}: submit a .py or .ipynb file", pointer)

@@ -1,6 +1,7 @@
 """Data of an animated motion: a submission's attitude R(t) and the exact one, in a few thousand bytes.
 
-A submission's R may be no rotation, or not finite, from some sample on. Its motion is shown up to that sample.
+A submission's R may be no rotation, or not finite, from some sample on. Its motion is shown up to that
+sample.
 """
 
 import json
@@ -23,7 +24,9 @@ ALIKE = 1e-5  # degrees, below which two attitudes count as equal
 
 
 class ValidPrefix(NamedTuple):
-    """Rotations ``R`` (m, 3, 3) of the first m samples that can be shown, and ``off``, the student's largest |RᵀR − 1| there."""
+    """Rotations ``R`` (m, 3, 3) of the first m samples that can be shown, and ``off``, the student's largest
+    |RᵀR − 1| there.
+    """
 
     R: Array
     off: float
@@ -37,9 +40,9 @@ def find(assignment: Assignment, name: str) -> Motion | None:
 def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -> bytes:
     """Return the motion as JSON for the arrays of its scene. Raises ValueError if they do not fit the scene.
 
-    ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular momentum, unit quaternions
-    (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4 f,), in 1/SCALE. ``notes``
-    are sentences about the motion; ``told`` is their former name.
+    ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular
+    momentum, unit quaternions (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4
+    f,), in 1/SCALE. ``notes`` are sentences about the motion; ``told`` is their former name.
     """
     scene = assignment.scene(motion.scene)
     exact = truth(scene, draw_inputs(scene, seed))
@@ -64,7 +67,9 @@ def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -
 
 
 def valid_prefix(R: Array) -> ValidPrefix:
-    """Return the rotations nearest to ``R`` (n, 3, 3), up to the first sample that is too far from any rotation."""
+    """Return the rotations nearest to ``R`` (n, 3, 3), up to the first sample that is too far from any
+    rotation.
+    """
     with np.errstate(all="ignore"):
         off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
         good = np.isfinite(off) & (off <= NEAR) & (np.linalg.det(np.where(np.isfinite(R), R, 0.0)) > 0)
@@ -114,12 +119,18 @@ def _notes(yours: ValidPrefix, given: Array, t: Array, R: Array) -> list[str]:
         most = int(apart.argmax())
         alike = apart[most] < ALIKE
         notes.append(
-            f"Never more than {ALIKE:.5f}° apart." if alike else f"Farthest apart at t = {t[most]:.3g} s, by {apart[most]:.3g}°."
+            f"Never more than {ALIKE:.5f}° apart."
+            if alike
+            else f"Farthest apart at t = {t[most]:.3g} s, by {apart[most]:.3g}°."
         )
     if yours.off > NOTICEABLE:
-        notes.append(f"Your R is not quite a rotation, max |RᵀR − 1| = {yours.off:.2g}: the nearest rotation is shown.")
+        notes.append(
+            f"Your R is not quite a rotation, max |RᵀR − 1| = {yours.off:.2g}: the nearest rotation is shown."
+        )
     if many < len(t):
-        notes.append(f"{'From' if many else 'At'} t = {t[many]:.3g} s {'on ' if many else ''}{_why(given[many])}.")
+        notes.append(
+            f"{'From' if many else 'At'} t = {t[many]:.3g} s {'on ' if many else ''}{_why(given[many])}."
+        )
     return notes
 
 
@@ -128,4 +139,8 @@ def _why(R: Array) -> str:
         return "your R is not finite"
     with np.errstate(all="ignore"):
         off = float(np.abs(R.T @ R - np.eye(3)).max())
-    return f"your R is not a rotation: max |RᵀR − 1| = {off:.3g}" if off > NEAR else "your R is a reflection, not a rotation"
+    return (
+        f"your R is not a rotation: max |RᵀR − 1| = {off:.3g}"
+        if off > NEAR
+        else "your R is a reflection, not a rotation"
+    )

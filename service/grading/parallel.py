@@ -21,14 +21,16 @@ def grade_in_processes(
     processes: int,
     on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
-    """Grade files in ``processes`` and yield one result per file, in input order. Close the ``sandbox`` and those of the processes,
-    which are copies of it, or new ones if the assignment has data files.
+    """Grade files in ``processes`` and yield one result per file, in input order. Close the ``sandbox`` and
+    those of the processes, which are copies of it, or new ones if the assignment has data files.
 
     A lost process is a system fault of every file that is not graded yet.
     """
     others, started = set(multiprocessing.active_children()), multiprocessing.Value("i", 0)
     shared = not options.assignment.data  # copies of a guest share their data files
-    sandboxes = [sandbox.copy() if shared else Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes)]
+    sandboxes = [
+        sandbox.copy() if shared else Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes)
+    ]
     fork = multiprocessing.get_context("fork")
     pool = ProcessPoolExecutor(processes, fork, _initialize, (options, sandboxes, started))
     try:
@@ -64,7 +66,9 @@ _process: tuple[Grader, GradeOptions] | None = None
 
 
 def _initialize(options: GradeOptions, sandboxes: Sequence[Sandbox], started: "Synchronized[int]") -> None:
-    """Start with one of the ``sandboxes``: that whose number is the number of processes that have ``started`` before."""
+    """Start with one of the ``sandboxes``: that whose number is the number of processes that have ``started``
+    before.
+    """
     global _process  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process

@@ -22,13 +22,15 @@ class Part(NamedTuple):
 
 
 def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) -> tuple[Cell, ...]:
-    """Return the student's ``cells`` with the given ones of the ``published`` notebook in place of their copies.
+    """Return the student's ``cells`` with the given ones of the ``published`` notebook in place of their
+    copies.
 
-    A copy has the same id or nearly the same text; it may be a part of a cell or of a Python file. Where a cell has several copies,
-    the last one counts. An edited copy runs too, before the published cell, because students also write their solution there.
+    A copy has the same id or nearly the same text; it may be a part of a cell or of a Python file. Where a
+    cell has several copies, the last one counts. An edited copy runs too, before the published cell, because
+    students also write their solution there.
 
-    The cells above the first solution run first. Another cell without a copy stands before the next one that has one, or before the
-    next solution with its id, else at the end.
+    The cells above the first solution run first. Another cell without a copy stands before the next one that
+    has one, or before the next solution with its id, else at the end.
     """
     given = [cell for cell in published if cell.is_given]
     parts = [part for at, cell in enumerate(cells) for part in _parts(at, cell, given)]
@@ -36,7 +38,10 @@ def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) ->
     copies = _copies(taken, given)
     last = {copy: at for at, copy in copies.items()}
     places = {cell.id: place for place, cell in enumerate(published) if cell.id}
-    first = next((place for place, cell in enumerate(published) if not cell.is_given or cell.is_validation), len(published))
+    first = next(
+        (place for place, cell in enumerate(published) if not cell.is_given or cell.is_validation),
+        len(published),
+    )
     waiting = dict.fromkeys(place for place, cell in enumerate(published) if cell.is_given)
     merged, own = list[Cell](), list[Part]()
 
@@ -51,7 +56,11 @@ def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) ->
     for at, (part, cell) in enumerate(zip(parts, taken, strict=True)):
         copy = copies.get(at)
         place = published.index(copy) if copy else places.get(cell.id, -1)
-        run([one for one in waiting if one < place and published[one] not in last] if copy is None or last[copy] == at else [])
+        run(
+            [one for one in waiting if one < place and published[one] not in last]
+            if copy is None or last[copy] == at
+            else []
+        )
         edited = copy is None or _text(cell.source) != _text(copy.source)
         if edited and own and (own[-1].of, own[-1].end) == (part.of, part.first):
             own[-1] = own[-1]._replace(end=part.end)
@@ -64,7 +73,9 @@ def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) ->
 
 
 def _parts(at: int, cell: Cell, given: Sequence[PublishedCell]) -> Iterator[Part]:
-    """Yield a student's cell in parts: one for each validation cell whose text it contains, and for each cell of a Python file."""
+    """Yield a student's cell in parts: one for each validation cell whose text it contains, and for each cell
+    of a Python file.
+    """
     lines = _lines(cell.source)
     text, bounds, covered = "\n" + "\n".join(lines) + "\n", {0, len(lines)}, list[tuple[int, int]]()
     for one in sorted((_text(one.source) for one in given if one.is_validation), key=len, reverse=True):

@@ -1,4 +1,6 @@
-"""Images: figures and contact sheets of a graded submission, sweeps of one or of a class, and charts of the reference methods."""
+"""Images: figures and contact sheets of a graded submission, sweeps of one or of a class, and charts of the
+reference methods.
+"""
 
 import functools
 import io
@@ -27,11 +29,13 @@ MOST_CALLS, MOST_SECONDS = 10**9, 1e6  # of one solver in a sweep; assignments a
 
 
 def pack(graded: Graded) -> dict[str, bytes]:
-    """Return the artefacts to store, by name: the arrays, those of recordings in files of their own, which many gradings share, and
-    a contact sheet for each animation.
+    """Return the artefacts to store, by name: the arrays, those of recordings in files of their own, which
+    many gradings share, and a contact sheet for each animation.
     """
     sheets = {a.scene: a.name for e in graded.exercises for a in e.animations if a.scene in graded.arrays}
-    packed = {f"{SHARED}{scene}.npz": _recording(scene, recording) for scene, recording in graded.recorded.items()}
+    packed = {
+        f"{SHARED}{scene}.npz": _recording(scene, recording) for scene, recording in graded.recorded.items()
+    }
     own = {
         f"{scene}/{name}": array
         for scene, arrays in graded.arrays.items()
@@ -81,14 +85,18 @@ def draw(assignment: Assignment, figure: Figure, arrays: Mapping[str, Arrays], s
 
 
 def prepare(slug: str) -> None:
-    """Load an assignment and matplotlib, so that its first figure takes as long as any other. Raises SystemFault."""
+    """Load an assignment and matplotlib, so that its first figure takes as long as any other. Raises
+    SystemFault.
+    """
     import matplotlib.backends.backend_agg  # noqa: F401
 
     find_assignment(slug)
 
 
 def draw_stored(slug: str, figure: str, packed: list[bytes], seed: int, form: str) -> bytes:
-    """Draw a figure of a graded submission from its ``packed`` arrays. Raises KeyError if there is no such figure, SystemFault."""
+    """Draw a figure of a graded submission from its ``packed`` arrays. Raises KeyError if there is no such
+    figure, SystemFault.
+    """
     assignment = find_assignment(slug)
     declared = find(assignment, figure)
     if declared is None:
@@ -97,7 +105,9 @@ def draw_stored(slug: str, figure: str, packed: list[bytes], seed: int, form: st
 
 
 def draw_chart(kind: str, number: int) -> bytes:
-    """Draw chart ``number`` of the kind "work-precision" or "stability" from the measurement of this version, as SVG."""
+    """Draw chart ``number`` of the kind "work-precision" or "stability" from the measurement of this version,
+    as SVG.
+    """
     if kind == "stability":
         return chart_drawing.draw_stability(charts.load_stability(), number)
     document = charts.load_work_precision()
@@ -120,6 +130,8 @@ def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
 def plausible(swept: SweepResult) -> bool:
     """Return whether every number of a sweep is finite and in its range, so that it can be drawn."""
     return all(
-        1 <= p.calls <= MOST_CALLS and 0 <= p.seconds <= MOST_SECONDS and (p.error is None or 0 <= p.error < math.inf)
+        1 <= p.calls <= MOST_CALLS
+        and 0 <= p.seconds <= MOST_SECONDS
+        and (p.error is None or 0 <= p.error < math.inf)
         for p in swept.points
     )

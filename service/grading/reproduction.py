@@ -24,11 +24,15 @@ Predictions = Mapping[Variant, Arrays]
 _public: WeakKeyDictionary[Scene, Predictions] = WeakKeyDictionary()
 
 
-def diagnose_question(assignment: Assignment, id: str, played: PlayedJob, sandbox: Sandbox) -> list[Diagnosis]:
-    """Return the diagnosis of the variant that alone reproduces the arrays of the question's scenes, else none.
+def diagnose_question(
+    assignment: Assignment, id: str, played: PlayedJob, sandbox: Sandbox
+) -> list[Diagnosis]:
+    """Return the diagnosis of the variant that alone reproduces the arrays of the question's scenes, else
+    none.
 
-    An author's mistake takes precedence over a generated variant. Parts of a question, such as a motion, follow from its
-    values. A kind that diagnoses its arrays itself needs no variant. Raises SystemFault if the sandbox fails.
+    An author's mistake takes precedence over a generated variant. Parts of a question, such as a motion,
+    follow from its values. A kind that diagnoses its arrays itself needs no variant. Raises SystemFault if
+    the sandbox fails.
     """
     arrays, left = played.result.arrays, None
     asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
@@ -49,7 +53,9 @@ def diagnose_question(assignment: Assignment, id: str, played: PlayedJob, sandbo
 def _predict(
     assignment: Assignment, scene: Scene, played: PlayedJob, sandbox: Sandbox, only: Sequence[Variant] | None
 ) -> Predictions:
-    """Return the arrays of each variant (``only``: of these) that finishes the scene and differs from the right solution."""
+    """Return the arrays of each variant (``only``: of these) that finishes the scene and differs from the
+    right solution.
+    """
     if only is not None and not only:
         return {}
     if scene in _public:
@@ -59,18 +65,30 @@ def _predict(
     chosen = [right, *(variants if only is None else only)]
     found = play_variants(played.job, scene.name, chosen, sandbox, budget_s=VARIANT_S, limits=LIMITS)
     exact = found.pop(right, {})
-    differing = {variant: arrays for variant, arrays in found.items() if not reproduces(scene.question, arrays, exact)}
+    differing = {
+        variant: arrays for variant, arrays in found.items() if not reproduces(scene.question, arrays, exact)
+    }
     if not callable(scene.inputs):
         _public[scene] = differing
     return differing
 
 
 def play_variants(
-    job: Job, scene: str, variants: Sequence[Variant], sandbox: Sandbox, *, budget_s: float, limits: TimeLimits
+    job: Job,
+    scene: str,
+    variants: Sequence[Variant],
+    sandbox: Sandbox,
+    *,
+    budget_s: float,
+    limits: TimeLimits,
 ) -> dict[Variant, Arrays]:
-    """Play one scene of a job with each variant in place of the submission. Return the arrays of those that finish it in time."""
+    """Play one scene of a job with each variant in place of the submission. Return the arrays of those that
+    finish it in time.
+    """
     (request,) = (request for request in job.scenes if request.name == scene)
     one = replace(request, budget_s=budget_s, after=None)
     requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(variants))
-    found = sandbox.play(replace(job, cells=(), functions=(), variables=(), scenes=requests), budget=TimeBudget(limits)).arrays
+    found = sandbox.play(
+        replace(job, cells=(), functions=(), variables=(), scenes=requests), budget=TimeBudget(limits)
+    ).arrays
     return {variant: found[str(k)] for k, variant in enumerate(variants) if str(k) in found}

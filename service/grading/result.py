@@ -24,11 +24,12 @@ NOT_STOPPED = (Ended.FINISHED, Ended.NOT_PLAYED, Ended.MISSING)
 
 @dataclass(frozen=True, kw_only=True)
 class GradedFile:
-    """One file of a batch: its ``report``, or why it is no valid submission (``refused``), or a system fault (``fault``).
+    """One file of a batch: its ``report``, or why it is no valid submission (``refused``), or a system fault
+    (``fault``).
 
-    ``file`` is its path, ``source`` its text, ``seconds`` the time of grading and ``cpu_s`` the CPU time used in the sandbox.
-    ``pictures`` are the requested images by file name: figures as NAME.svg or NAME.png, contact sheets of animations as NAME.png.
-    Their titles are in the report.
+    ``file`` is its path, ``source`` its text, ``seconds`` the time of grading and ``cpu_s`` the CPU time used
+    in the sandbox. ``pictures`` are the requested images by file name: figures as NAME.svg or NAME.png,
+    contact sheets of animations as NAME.png. Their titles are in the report.
     """
 
     file: Path
@@ -61,9 +62,19 @@ class GradedFile:
 def summary(files: Sequence[GradedFile]) -> str:
     """Return a line with the number of files of each kind."""
     passed = sum(file.passed for file in files)
-    refused, faults = sum(file.refused is not None for file in files), sum(file.fault is not None for file in files)
-    kinds = {"all ✓": passed, "not all ✓": len(files) - passed - refused - faults, "no submission": refused, "not graded": faults}
-    return f"{len(files)} file{'s' * (len(files) != 1)}: " + ", ".join(f"{n} {kind}" for kind, n in kinds.items() if n)
+    refused, faults = (
+        sum(file.refused is not None for file in files),
+        sum(file.fault is not None for file in files),
+    )
+    kinds = {
+        "all ✓": passed,
+        "not all ✓": len(files) - passed - refused - faults,
+        "no submission": refused,
+        "not graded": faults,
+    }
+    return f"{len(files)} file{'s' * (len(files) != 1)}: " + ", ".join(
+        f"{n} {kind}" for kind, n in kinds.items() if n
+    )
 
 
 def state(outcome: Outcome, scene_ends: Iterable[SceneEnd]) -> str:

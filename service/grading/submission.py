@@ -45,7 +45,9 @@ DEFAULT_SIZES = SizeLimits()
 
 @dataclass(frozen=True)
 class Submission:
-    """Source text and its file name. A name that ends in .ipynb means a notebook, which is kept without outputs."""
+    """Source text and its file name. A name that ends in .ipynb means a notebook, which is kept without
+    outputs.
+    """
 
     source: str
     filename: str = "submission.py"
@@ -54,7 +56,8 @@ class Submission:
     def from_bytes(cls, data: bytes, filename: str, limits: SizeLimits = DEFAULT_SIZES) -> "Submission":
         """Read an uploaded file.
 
-        Raises TooLarge, and BadSubmission if the file is not text, empty, or named like a notebook but not one.
+        Raises TooLarge, and BadSubmission if the file is not text, empty, or named like a notebook but not
+        one.
         """
         if len(data) > limits.upload:
             raise TooLarge(upload_too_large(limits))
@@ -85,7 +88,10 @@ class Submission:
 
 def upload_too_large(limits: SizeLimits) -> str:
     """Return the message for a file that exceeds ``limits.upload``."""
-    remedy = "clear the outputs of the notebook (in Jupyter: Edit, Clear Outputs of All Cells), save it and submit it again"
+    remedy = (
+        "clear the outputs of the notebook (in Jupyter: Edit, Clear Outputs of All Cells), save it and submit"
+        " it again"
+    )
     return f"the submission is larger than {limits.upload / MIB:g} MiB: {remedy}"
 
 
@@ -101,8 +107,13 @@ def _without_outputs(source: str, filename: str, limits: SizeLimits) -> str:
         raise BadSubmission(NOT_A_NOTEBOOK) from None
     if (size := len(source.encode())) > limits.source:
         counted = "without outputs it" if _is_notebook(filename) else "it"
-        allowed = f"{counted} has {math.ceil(size / KIB)} KiB and at most {limits.source / KIB:g} KiB are accepted"
-        raise TooLarge(f"the submission is too large: {allowed}; remove data and pictures from the code and text, or submit less")
+        allowed = (
+            f"{counted} has {math.ceil(size / KIB)} KiB and at most {limits.source / KIB:g} KiB are accepted"
+        )
+        raise TooLarge(
+            f"the submission is too large: {allowed}; remove data and pictures from the code and text, or"
+            " submit less"
+        )
     return source
 
 
@@ -115,7 +126,9 @@ def _name(filename: str) -> str:
 def _notebook_cells(source: str) -> tuple[Cell, ...]:
     try:
         notebook = json.loads(source)
-        code = [(_text(c["source"]), str(c.get("id", ""))) for c in notebook["cells"] if c["cell_type"] == "code"]
+        code = [
+            (_text(c["source"]), str(c.get("id", ""))) for c in notebook["cells"] if c["cell_type"] == "code"
+        ]
     except (ValueError, KeyError, TypeError, RecursionError):
         raise BadSubmission(NOT_A_NOTEBOOK) from None
     return tuple(Cell(f"cell {number}", text, id=id) for number, (text, id) in enumerate(code, start=1))

@@ -1,5 +1,5 @@
-"""HTTP connections that clients cannot hold without end: uvicorn's HTTP/1.1 protocol with a deadline for every request, a
-limit of open connections, and stricter framing.
+"""HTTP connections that clients cannot hold without end: uvicorn's HTTP/1.1 protocol with a deadline for
+every request, a limit of open connections, and stricter framing.
 
 uvicorn's own settings do not reach these: ``timeout_keep_alive`` ends with the first byte of a request, and
 ``limit_concurrency`` answers 503 to everybody while idle connections fill it.
@@ -24,14 +24,26 @@ from service.http.metrics import PROCESS
 from service.http.requests import network
 from service.settings import Settings
 
-ACCEPTED = 16  # most connections that asyncio accepts before it attends to others and their protocols can close some
-OTHER_FILES = 128  # descriptors kept for the database, the workers' pipes and files; an idle server has about 40
+ACCEPTED = (
+    16  # most connections that asyncio accepts before it attends to others and their protocols can close some
+)
+OTHER_FILES = (
+    128  # descriptors kept for the database, the workers' pipes and files; an idle server has about 40
+)
 SPREAD = 0.5  # deadlines vary from one to one and a half times their setting
-LOWEST_RATE = 10_000  # bytes per second, on average, of a request body after its first ``body_timeout`` seconds
+LOWEST_RATE = (
+    10_000  # bytes per second, on average, of a request body after its first ``body_timeout`` seconds
+)
 CLOSED = Metric("polhode_http_closed", "Connections closed by a limit.", ["limit"], registry=PROCESS)
-REFUSED = b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 5\r\nContent-Length: 0\r\n\r\n"
-TIMED_OUT = b"HTTP/1.1 408 Request Timeout\r\nConnection: close\r\nContent-Type: %b\r\nContent-Length: %d\r\n\r\n%b"
-_problem = problem_response(408, "timed-out", "the request did not arrive in time: check the network, then send it again").body
+REFUSED = (
+    b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 5\r\nContent-Length: 0\r\n\r\n"
+)
+TIMED_OUT = (
+    b"HTTP/1.1 408 Request Timeout\r\nConnection: close\r\nContent-Type: %b\r\nContent-Length: %d\r\n\r\n%b"
+)
+_problem = problem_response(
+    408, "timed-out", "the request did not arrive in time: check the network, then send it again"
+).body
 TIMED_OUT %= PROBLEM_TYPE.encode(), len(_problem), bytes(_problem)
 
 chance = random.Random()  # noqa: S311
@@ -51,13 +63,16 @@ def raise_open_file_limit() -> None:
 class Connections:
     """The open connections of a server: at most ``most``, and at most half of them from one address.
 
-    A proxy's address may have all of them. Beyond a limit, the connection that has waited longest for the rest of its request is
-    closed in favour of the new one. If every connection is waiting for a response, the new one gets 503.
+    A proxy's address may have all of them. Beyond a limit, the connection that has waited longest for the
+    rest of its request is closed in favour of the new one. If every connection is waiting for a response, the
+    new one gets 503.
     """
 
     def __init__(self, settings: Settings) -> None:
         files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        available = files if files != resource.RLIM_INFINITY else settings.connections + ACCEPTED + OTHER_FILES
+        available = (
+            files if files != resource.RLIM_INFINITY else settings.connections + ACCEPTED + OTHER_FILES
+        )
         self.most = max(8, min(settings.connections, available - ACCEPTED - OTHER_FILES))
         self.header_s, self.body_s = settings.header_timeout, settings.body_timeout
         self._open: dict[Connection, str] = {}
@@ -101,9 +116,11 @@ class Connections:
 
 
 class StrictParser(h11.Connection):
-    """h11's parser, which refuses the request heads that other HTTP servers and proxies may delimit differently.
+    """h11's parser, which refuses the request heads that other HTTP servers and proxies may delimit
+    differently.
 
-    These are a bare line feed, a Content-Length that is repeated or a list, and Content-Length with Transfer-Encoding.
+    These are a bare line feed, a Content-Length that is repeated or a list, and Content-Length with
+    Transfer-Encoding.
     """
 
     def next_event(self) -> Any:
@@ -126,8 +143,9 @@ def _check_head(head: bytes) -> None:
 
 
 class Connection(H11Protocol):
-    """One connection. Its request's header must be complete ``header_timeout`` seconds after the connection was opened or the
-    previous response ended. Its body may then take ``body_timeout`` seconds and one more for every LOWEST_RATE bytes.
+    """One connection. Its request's header must be complete ``header_timeout`` seconds after the connection
+    was opened or the previous response ended. Its body may then take ``body_timeout`` seconds and one more
+    for every LOWEST_RATE bytes.
     """
 
     def __init__(self, *, connections: Connections, **arguments: Any) -> None:
@@ -166,7 +184,9 @@ class Connection(H11Protocol):
         self._follow()
 
     def close_for(self, limit: str) -> None:
-        """Close the connection because of ``limit``, with 408 if a request has begun and has no response yet."""
+        """Close the connection because of ``limit``, with 408 if a request has begun and has no response
+        yet.
+        """
         self._stop_deadline()
         if self.transport.is_closing():
             return
@@ -196,7 +216,9 @@ class Connection(H11Protocol):
     def _start_deadline(self) -> None:
         self._began, self._received = self.loop.time(), 0
         seconds = self._all.header_s if self.conn.their_state is h11.IDLE else self._all.body_s
-        spread = 1.0 + SPREAD * chance.random()  # closing and opening thousands at the same moment would delay everybody
+        spread = (
+            1.0 + SPREAD * chance.random()
+        )  # closing and opening thousands at the same moment would delay everybody
         self._deadline = self.loop.call_later(seconds * spread, self._check_deadline)
 
     def _check_deadline(self) -> None:

@@ -46,19 +46,39 @@ TITLES = {
     "unsupported-media-type": "Unsupported media type",
 }
 PAGE_TITLES = {**TITLES, "not-found": "Page not found"}
-BY_STATUS = {404: "not-found", 405: "invalid-request", 413: "too-large", 415: "unsupported-media-type", 503: "busy"}
+BY_STATUS = {
+    404: "not-found",
+    405: "invalid-request",
+    413: "too-large",
+    415: "unsupported-media-type",
+    503: "busy",
+}
 
 
 class Problem(Exception):
     """An error to return to the client.
 
-    ``kind`` is a key of TITLES. ``pointer`` is a JSON pointer (RFC 6901) to the offending part of the body. ``retry_after`` is the
-    number of seconds after which the client may try again.
+    ``kind`` is a key of TITLES. ``pointer`` is a JSON pointer (RFC 6901) to the offending part of the body.
+    ``retry_after`` is the number of seconds after which the client may try again.
     """
 
-    def __init__(self, status: int, kind: str, detail: str, pointer: str | None = None, *, retry_after: int | None = None) -> None:
+    def __init__(
+        self,
+        status: int,
+        kind: str,
+        detail: str,
+        pointer: str | None = None,
+        *,
+        retry_after: int | None = None,
+    ) -> None:
         super().__init__(detail)
-        self.status, self.kind, self.detail, self.pointer, self.retry_after = status, kind, detail, pointer, retry_after
+        self.status, self.kind, self.detail, self.pointer, self.retry_after = (
+            status,
+            kind,
+            detail,
+            pointer,
+            retry_after,
+        )
 
     def headers(self) -> dict[str, str]:
         """Return the additional response headers."""
@@ -99,7 +119,9 @@ def _encodable(text: str) -> str:
 
 async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
-    return await _respond(request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None)
+    return await _respond(
+        request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
+    )
 
 
 def wants_page(request: Request) -> bool:
@@ -108,7 +130,10 @@ def wants_page(request: Request) -> bool:
 
 
 async def _respond(
-    request: Request, problem: Problem, errors: list[dict[str, str]] | None = None, more: Mapping[str, str] | None = None
+    request: Request,
+    problem: Problem,
+    errors: list[dict[str, str]] | None = None,
+    more: Mapping[str, str] | None = None,
 ) -> Response:
     headers = {**problem.headers(), **(more or {})}
     if not wants_page(request):
@@ -119,19 +144,26 @@ async def _respond(
         page.headers.update(headers)
         return page
     context = {"title": PAGE_TITLES.get(problem.kind, "Error"), "detail": detail}
-    return templates.TemplateResponse(request, "problem.html", context, status_code=problem.status, headers=headers)
+    return templates.TemplateResponse(
+        request, "problem.html", context, status_code=problem.status, headers=headers
+    )
 
 
 async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    kind, detail = BY_STATUS.get(error.status_code, "invalid-request"), f"{error.detail}: {request.method} {request.url.path}"
+    kind, detail = (
+        BY_STATUS.get(error.status_code, "invalid-request"),
+        f"{error.detail}: {request.method} {request.url.path}",
+    )
     return await _respond(request, Problem(error.status_code, kind, detail), more=error.headers)
 
 
 async def _validation(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
-    return await _respond(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
+    return await _respond(
+        request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors
+    )
 
 
 async def _outage(logged: dict[str, float], request: Request, error: Exception) -> Response:
@@ -146,14 +178,19 @@ async def _outage(logged: dict[str, float], request: Request, error: Exception) 
         log.error("database unavailable: %s", reason)
     if loss:
         detail = (
-            "this server has lost its database, and nothing can be stored until the course staff has restored it: keep your work"
+            "this server has lost its database, and nothing can be stored until the course staff has restored"
+            " it: keep your work"
         )
         return await _respond(request, Problem(503, "database-lost", detail, retry_after=60))
-    return await _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
+    return await _respond(
+        request, Problem(503, "busy", "the database does not respond: try again in a moment")
+    )
 
 
 def internal_error() -> JSONResponse:
     """Return the response to an unexpected exception."""
     return problem_response(
-        500, "fault", "polhode failed (our error): try again later; contact the course staff if the error persists"
+        500,
+        "fault",
+        "polhode failed (our error): try again later; contact the course staff if the error persists",
     )

@@ -12,7 +12,8 @@ CONTROLS = ("input", "select", "textarea", "button")
 
 @dataclass(eq=False)
 class Element:
-    """An element of a page: where its start tag begins and stops, where its content and its end tag stop, and what encloses it.
+    """An element of a page: where its start tag begins and stops, where its content and its end tag stop, and
+    what encloses it.
 
     Without an end tag all of these stop with the start tag. ``controls`` are those of a form.
     """

@@ -30,7 +30,9 @@ class Listener:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._waiting: defaultdict[str, dict[asyncio.Event, bool]] = defaultdict(dict)  # whether also for progress
+        self._waiting: defaultdict[str, dict[asyncio.Event, bool]] = defaultdict(
+            dict
+        )  # whether also for progress
         self._stopping = False
         self._task: asyncio.Task[None] | None = None
         self._positions: tuple[float, Mapping[str, int]] = (float("-inf"), {})
@@ -54,7 +56,8 @@ class Listener:
     async def wait_for_changes(
         self, submission: str, seconds: float, every: float = POLL_S, *, progress: bool = True
     ) -> AsyncIterator[None]:
-        """Yield immediately, after each change of the submission, and at least every ``every`` seconds; end after ``seconds``.
+        """Yield immediately, after each change of the submission, and at least every ``every`` seconds; end
+        after ``seconds``.
 
         If ``progress`` is false, ignore notifications of progress.
         """
@@ -89,7 +92,9 @@ class Listener:
         while True:
             try:
                 options = connect_options("polhode listener")
-                async with await psycopg.AsyncConnection.connect(self._database.url, autocommit=True, **options) as connection:
+                async with await psycopg.AsyncConnection.connect(
+                    self._database.url, autocommit=True, **options
+                ) as connection:
                     await connection.execute(f"LISTEN {CHANNEL}")
                     self._wake_all()
                     logged = False
@@ -118,11 +123,13 @@ class Listener:
 class ChangeFeed(Generic[T]):
     """A page's data and the events that announce its changes.
 
-    ``look`` queries the database and ``shown`` turns its result into the data that the page shows. The data has changed if its
-    ``repr`` has.
+    ``look`` queries the database and ``shown`` turns its result into the data that the page shows. The data
+    has changed if its ``repr`` has.
     """
 
-    def __init__(self, listener: Listener, look: Callable[[], Awaitable[T]], shown: Callable[[T], Any]) -> None:
+    def __init__(
+        self, listener: Listener, look: Callable[[], Awaitable[T]], shown: Callable[[T], Any]
+    ) -> None:
         self._listener, self._look, self._show = listener, look, shown
         self._lock = asyncio.Lock()
         self._data: Any = None

@@ -1,6 +1,7 @@
 """Prometheus metrics: requests of this process, and the queue, results, runs and workers from the database.
 
-Counts of results come from the database, so every server reports the same numbers and a restart does not reset them.
+Counts of results come from the database, so every server reports the same numbers and a restart does not
+reset them.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,16 +13,21 @@ from service.store.database import Database
 
 disable_created_metrics()  # type: ignore[no-untyped-call]
 PROCESS = CollectorRegistry()
-REQUESTS = Counter("polhode_http_requests", "Requests answered.", ["method", "route", "status"], registry=PROCESS)
+REQUESTS = Counter(
+    "polhode_http_requests", "Requests answered.", ["method", "route", "status"], registry=PROCESS
+)
 SECONDS = Histogram("polhode_http_seconds", "Time to answer.", ["route"], registry=PROCESS)
 BUCKETS = (0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300, 900, 3600)
 
 _DEPTH = "SELECT status::text, task_name, count(*) AS n FROM procrastinate_jobs GROUP BY 1, 2"
 _RESULTS = """
 SELECT count(*) FILTER (WHERE fault IS NULL) AS graded,
-    count(*) FILTER (WHERE fault IS NOT NULL AND cancelled_by IS NULL) AS faulted, count(cancelled_by) AS cancelled FROM result
+    count(*) FILTER (WHERE fault IS NOT NULL AND cancelled_by IS NULL) AS faulted,
+      count(cancelled_by) AS cancelled FROM result
 """
-_VERDICTS = "SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted FROM outcome WHERE counted"
+_VERDICTS = (
+    "SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted FROM outcome WHERE counted"
+)
 _RUNS = "SELECT end_reason, count(*) AS n FROM run WHERE end_reason IS NOT NULL GROUP BY 1"
 _WORKERS = """
 SELECT count(*) FILTER (WHERE seen AND unavailable_reason IS NULL) AS ready,
@@ -31,7 +37,8 @@ SELECT count(*) FILTER (WHERE seen AND unavailable_reason IS NULL) AS ready,
 """
 _WAITS = """
 SELECT extract(epoch FROM first.at - a.requested_at) AS s
-FROM grading a JOIN LATERAL (SELECT min(started_at) AS at FROM run WHERE run.grading_id = a.id) first ON first.at IS NOT NULL
+FROM grading a JOIN LATERAL (SELECT min(started_at) AS at FROM run
+  WHERE run.grading_id = a.id) first ON first.at IS NOT NULL
 """
 _HISTOGRAM = "SELECT {} , count(*), coalesce(sum(s), 0) FROM ({}) AS measured"
 
@@ -55,7 +62,9 @@ class _StaticCollector:
 
 async def _from_tables(database: Database) -> Sequence[Metric]:
     jobs = GaugeMetricFamily(
-        "polhode_queue_jobs", "Jobs by task and status: waiting (todo) or running (doing).", labels=["task", "status"]
+        "polhode_queue_jobs",
+        "Jobs by task and status: waiting (todo) or running (doing).",
+        labels=["task", "status"],
     )
     for row in await database.rows(_DEPTH):
         jobs.add_metric([row.task_name, row.status], row.n)
@@ -67,7 +76,9 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
         (verdicts, "pass", made.passed), (verdicts, "other", made.counted - made.passed),
     ):  # fmt: skip
         family.add_metric([name], value)
-    runs = GaugeMetricFamily("polhode_runs", "Runs by end reason; a lost run may still report a result.", labels=["ending"])
+    runs = GaugeMetricFamily(
+        "polhode_runs", "Runs by end reason; a lost run may still report a result.", labels=["ending"]
+    )
     for row in await database.rows(_RUNS):
         runs.add_metric([row.end_reason], row.n)
     (counts,) = await database.rows(_WORKERS)
@@ -75,11 +86,18 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
     workers.add_metric(["ready"], counts.ready)
     workers.add_metric(["refusing"], counts.refusing)
     zygotes = GaugeMetricFamily(
-        "polhode_zygote_restarts", "Warm guest processes replaced, summed over known workers.", value=counts.zygotes
+        "polhode_zygote_restarts",
+        "Warm guest processes replaced, summed over known workers.",
+        value=counts.zygotes,
     )
-    wait = await _histogram(database, "polhode_wait_seconds", "Time from request to the start of the first run.", _WAITS)
+    wait = await _histogram(
+        database, "polhode_wait_seconds", "Time from request to the start of the first run.", _WAITS
+    )
     took = await _histogram(
-        database, "polhode_grading_seconds", "Time to grade.", "SELECT grading_s AS s FROM result WHERE grading_s IS NOT NULL"
+        database,
+        "polhode_grading_seconds",
+        "Time to grade.",
+        "SELECT grading_s AS s FROM result WHERE grading_s IS NOT NULL",
     )
     return [jobs, results, verdicts, runs, workers, zygotes, wait, took]
 

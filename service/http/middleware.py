@@ -14,9 +14,13 @@ from service.http.requests import is_valid_host
 from service.logs import request_id
 
 log = logging.getLogger("polhode.access")
-CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+CONTENT_SECURITY = (
+    "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+)
 # An SVG opened directly is a document with inline styles; it may load and run nothing else.
-SVG_CONTENT_SECURITY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
+SVG_CONTENT_SECURITY = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
+)
 HTTPS_ONLY = "max-age=31536000"  # a year
 DISCONNECTED = 499  # status in log and metrics of a request whose client left; nginx's number
 METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
@@ -28,7 +32,9 @@ SECURITY_HEADERS = {
 
 
 class RequestMiddleware:
-    """ASGI middleware. Event streams pass through unbuffered. With ``https``, browsers then use no other scheme for this host."""
+    """ASGI middleware. Event streams pass through unbuffered. With ``https``, browsers then use no other
+    scheme for this host.
+    """
 
     def __init__(self, app: ASGIApp, *, https: bool = False) -> None:
         self.app = app
@@ -74,5 +80,13 @@ class RequestMiddleware:
             took, route = time.perf_counter() - started, getattr(scope.get("route"), "path", "other")
             REQUESTS.labels(method if method in METHODS else "other", route, status).inc()
             SECONDS.labels(route).observe(took)
-            log.info("request", extra={"method": scope["method"], "route": route, "status": status, "ms": round(1e3 * took, 1)})
+            log.info(
+                "request",
+                extra={
+                    "method": scope["method"],
+                    "route": route,
+                    "status": status,
+                    "ms": round(1e3 * took, 1),
+                },
+            )
             request_id.reset(token)

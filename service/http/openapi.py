@@ -24,7 +24,10 @@ PROBLEM = {
         "detail": {"type": "string", "description": "What failed and what to do."},
         "errors": {
             "type": "array",
-            "items": {"type": "object", "properties": {"pointer": {"type": "string"}, "detail": {"type": "string"}}},
+            "items": {
+                "type": "object",
+                "properties": {"pointer": {"type": "string"}, "detail": {"type": "string"}},
+            },
         },
     },
 }
@@ -36,7 +39,9 @@ def problems(kinds: Mapping[int, Kinds]) -> Responses:
     Every route has 400 and 500.
     """
     content = {PROBLEM_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
-    every = {status: (names,) if isinstance(names, str) else names for status, names in {**EVERY, **kinds}.items()}
+    every = {
+        status: (names,) if isinstance(names, str) else names for status, names in {**EVERY, **kinds}.items()
+    }
     return {
         status: {"description": "; ".join(f"`{kind}`: {TITLES[kind]}" for kind in names), "content": content}
         for status, names in sorted(every.items())
@@ -49,7 +54,13 @@ def media(*types: str, model: str | None = None) -> Responses:
     Use it with ``response_class=Response``.
     """
     of_json = {"$ref": f"#/components/schemas/{model}"} if model else {"type": "object"}
-    return {200: {"content": {type: {"schema": of_json if type.endswith("json") else {"type": "string"}} for type in types}}}
+    return {
+        200: {
+            "content": {
+                type: {"schema": of_json if type.endswith("json") else {"type": "string"}} for type in types
+            }
+        }
+    }
 
 
 def also(status: int, description: str, model: type[BaseModel]) -> Responses:

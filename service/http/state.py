@@ -1,7 +1,7 @@
 """What the application holds while it runs, as typed dependencies of routes.
 
-``app.state.held`` has one object of each class; the lifespan stores them. A route or dependency with a parameter of the
-type ``Held[Listener]`` receives the application's listener.
+``app.state.held`` has one object of each class; the lifespan stores them. A route or dependency with a
+parameter of the type ``Held[Listener]`` receives the application's listener.
 """
 
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_origin

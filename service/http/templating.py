@@ -56,7 +56,9 @@ def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
     if at is None:
         return "–"
     shown = at.astimezone(ZONE.get()).strftime("%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M")
-    return Markup('<time datetime="{}">{}</time>').format(at.astimezone(UTC).isoformat(timespec="seconds"), shown)
+    return Markup('<time datetime="{}">{}</time>').format(
+        at.astimezone(UTC).isoformat(timespec="seconds"), shown
+    )
 
 
 def format_input(at: datetime | None) -> str:
@@ -69,11 +71,19 @@ def format_duration(took: timedelta) -> str:
     seconds = took.total_seconds()
     if seconds < 1:
         return f"{1e3 * seconds:.0f} ms"
-    return f"{seconds:.1f} s" if seconds < 90 else f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+    return (
+        f"{seconds:.1f} s"
+        if seconds < 90
+        else f"{seconds / 60:.0f} min"
+        if seconds < 5400
+        else f"{seconds / 3600:.1f} h"
+    )
 
 
 def format_span(seconds: float) -> str:
-    """Return the length of a grace period in min, h or days, whichever is the longest that it is a whole number of, or min."""
+    """Return the length of a grace period in min, h or days, whichever is the longest that it is a whole
+    number of, or min.
+    """
     for length, name in ((86400, "day"), (3600, "h")):
         if seconds and seconds % length == 0:
             count = int(seconds // length)
@@ -86,6 +96,11 @@ def _common_context(request: Request) -> dict[str, Any]:
     return {"me": person, "role": person and person.role}
 
 
-ENVIRONMENT.filters |= {"moment": format_time, "input": format_input, "duration": format_duration, "span": format_span}
+ENVIRONMENT.filters |= {
+    "moment": format_time,
+    "input": format_input,
+    "duration": format_duration,
+    "span": format_span,
+}
 ENVIRONMENT.globals["zone"] = lambda: str(ZONE.get())
 templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_common_context])

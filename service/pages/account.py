@@ -26,21 +26,29 @@ DONE = {
 
 
 @router.get("/account", response_class=HTMLResponse)
-async def show(request: Request, person: CurrentUser, settings: Config, database: Db, done: str = "") -> Response:
+async def show(
+    request: Request, person: CurrentUser, settings: Config, database: Db, done: str = ""
+) -> Response:
     """Show the account page."""
     return await _page(request, person, settings, database, done=DONE.get(done))
 
 
 @router.post("/account/password")
 async def set_password(
-    person: CurrentUser, form: Form, database: Db, checker: Held[PasswordChecker], limits: Held[LoginRateLimiter]
+    person: CurrentUser,
+    form: Form,
+    database: Db,
+    checker: Held[PasswordChecker],
+    limits: Held[LoginRateLimiter],
 ) -> Response:
     """Set or change the password and log out every other browser. A change needs the current password."""
     _check_account(person)
     await _check_current_password(database, checker, limits, person.name, raw_field(form, "present"))
     stored = await checker.hash(_new_password(form, person.name))
     async with database.begin() as connection:
-        await people.add_person(connection, person.name)  # the proxy may name a person that the course does not know yet
+        await people.add_person(
+            connection, person.name
+        )  # the proxy may name a person that the course does not know yet
         await credentials.set_password(connection, person.name, stored, by=person.name, but=person.session)
     return RedirectResponse("/account?done=password", 303)
 
@@ -53,12 +61,17 @@ async def revoke(person: CurrentUser, form: Form, database: Db) -> Response:
         id = uuid.UUID(field(form, "id"))
     except ValueError:
         raise Problem(
-            422, "invalid-request", "id must be the id of a token or session: reload the page and try again", "/id"
+            422,
+            "invalid-request",
+            "id must be the id of a token or session: reload the page and try again",
+            "/id",
         ) from None
     async with database.begin() as connection:
         if not await tokens.revoke_own(connection, person.name, id):
             raise Problem(
-                404, "not-found", "no active token or session with this id: it was revoked or has expired, reload the page"
+                404,
+                "not-found",
+                "no active token or session with this id: it was revoked or has expired, reload the page",
             )
         await audit.record(connection, person.name, "revoke token", str(id), {"count": 1})
     return RedirectResponse("/account?done=revoked", 303)
@@ -77,7 +90,9 @@ async def logout_everywhere(person: CurrentUser, form: Form, database: Db) -> Re
 def _check_account(person: Person) -> None:
     """Raise Problem 403 in single-user mode."""
     if person.single_user:
-        raise Problem(403, "not-allowed", "this server runs in single-user mode: there are no accounts to change")
+        raise Problem(
+            403, "not-allowed", "this server runs in single-user mode: there are no accounts to change"
+        )
 
 
 async def _check_current_password(
@@ -104,11 +119,17 @@ def _new_password(form: Form, name: str) -> str:
         raise Problem(422, "invalid-request", str(error), "/password") from None
 
 
-async def _page(request: Request, person: Person, settings: Settings, database: Db, done: str | None = None) -> Response:
+async def _page(
+    request: Request, person: Person, settings: Settings, database: Db, done: str | None = None
+) -> Response:
     about, rows = None, []
     if not person.single_user:
         about = await credentials.about(database, person.name)
-        rows = [row for row in await tokens.all_of(database, person.name) if not row.revoked_at and not row.expired]
+        rows = [
+            row
+            for row in await tokens.all_of(database, person.name)
+            if not row.revoked_at and not row.expired
+        ]
     context = {
         "person": person,
         "about": about,

@@ -18,7 +18,12 @@ from service.http.templating import templates
 
 router = APIRouter()
 Schema = Mapping[str, Any]
-LIMITS = {"minimum": "from {}", "maximum": "up to {}", "minLength": "at least {} characters", "maxLength": "at most {} characters"}
+LIMITS = {
+    "minimum": "from {}",
+    "maximum": "up to {}",
+    "minLength": "at least {} characters",
+    "maxLength": "at most {} characters",
+}
 LIMITS |= {"minItems": "at least {}", "pattern": "matches {}"}
 EXAMPLES = {"string": "…", "integer": 1, "number": 1.0, "boolean": True, "array": [], "object": {}}
 CODE = re.compile(r"``?(.+?)``?", re.DOTALL)
@@ -44,9 +49,15 @@ async def show_api(request: Request, person: OptionalUser, address: PublicAddres
     for path, methods in document["paths"].items():
         for method, operation in methods.items():
             groups[operation["tags"][0]].append(_operation(address, schemas, method.upper(), path, operation))
-    named = sorted((name, schema) for name, schema in schemas.items() if not name.startswith("Body_"))  # fields of one request
-    objects = [(name, code(schema.get("description", "")), type_of(schema), fields(schema)) for name, schema in named]
-    return templates.TemplateResponse(request, "api_reference.html", {"groups": groups, "objects": objects, "address": address})
+    named = sorted(
+        (name, schema) for name, schema in schemas.items() if not name.startswith("Body_")
+    )  # fields of one request
+    objects = [
+        (name, code(schema.get("description", "")), type_of(schema), fields(schema)) for name, schema in named
+    ]
+    return templates.TemplateResponse(
+        request, "api_reference.html", {"groups": groups, "objects": objects, "address": address}
+    )
 
 
 def _operation(address: str, schemas: Schema, method: str, path: str, operation: Schema) -> dict[str, Any]:
@@ -66,7 +77,11 @@ def _operation(address: str, schemas: Schema, method: str, path: str, operation:
         "parameters": parameters,
         "bodies": [(media, fields(schema)) for media, schema in bodies.items()],
         "responses": [
-            (status, code(one["description"]), [(media, *_content(content)) for media, content in one.get("content", {}).items()])
+            (
+                status,
+                code(one["description"]),
+                [(media, *_content(content)) for media, content in one.get("content", {}).items()],
+            )
             for status, one in responses
             if status < "4"
         ],
@@ -91,13 +106,18 @@ def fields(schema: Schema) -> list[Field]:
 
 
 def type_of(schema: Schema) -> Markup:
-    """Return the type of a schema in words, with its limits and default; names of objects are links to them."""
+    """Return the type of a schema in words, with its limits and default;
+    names of objects are links to them.
+    """
     if "$ref" in schema:
         return Markup('<a href="#{0}">{0}</a>').format(_name(schema))
     if "anyOf" in schema:
         shown = _joined(" or ", (type_of(one) for one in schema["anyOf"]))
     elif "enum" in schema or "const" in schema:
-        shown = _joined(" or ", (Markup("<code>{}</code>").format(one) for one in schema.get("enum", [schema.get("const")])))
+        shown = _joined(
+            " or ",
+            (Markup("<code>{}</code>").format(one) for one in schema.get("enum", [schema.get("const")])),
+        )
     elif schema.get("type") == "array":
         shown = Markup("list of {}").format(type_of(schema["items"]))
     elif isinstance(schema.get("additionalProperties"), dict):
@@ -106,7 +126,9 @@ def type_of(schema: Schema) -> Markup:
         shown = escape(schema.get("format", schema.get("type", "any")))
     limits = [escape(words).format(schema[key]) for key, words in LIMITS.items() if key in schema]
     if schema.get("default") not in (None, [], {}) and "const" not in schema:
-        limits.append(Markup("default <code>{}</code>").format(json.dumps(schema["default"], ensure_ascii=False)))
+        limits.append(
+            Markup("default <code>{}</code>").format(json.dumps(schema["default"], ensure_ascii=False))
+        )
     return _joined(", ", [shown, *limits])
 
 
@@ -121,7 +143,9 @@ def _joined(separator: str, parts: Iterable[Markup]) -> Markup:
 def code(text: str) -> Markup:
     """Return the text with what stands between backticks as code."""
     parts = enumerate(CODE.split(text))
-    return _joined("", (Markup("<code>{}</code>").format(part) if k % 2 else escape(part) for k, part in parts))
+    return _joined(
+        "", (Markup("<code>{}</code>").format(part) if k % 2 else escape(part) for k, part in parts)
+    )
 
 
 def _curl(address: str, method: str, path: str, bodies: Schema, token: bool) -> str:
@@ -131,7 +155,9 @@ def _curl(address: str, method: str, path: str, bodies: Schema, token: bool) -> 
         parts.append('-H "Authorization: Bearer $TOKEN"')
     if JSON in bodies:
         properties, required = bodies[JSON]["properties"], bodies[JSON].get("required", ())
-        example = {name: properties[name].get("enum", [EXAMPLES[properties[name]["type"]]])[0] for name in required}
+        example = {
+            name: properties[name].get("enum", [EXAMPLES[properties[name]["type"]]])[0] for name in required
+        }
         parts += ["-H 'Content-Type: application/json'", f"-d '{json.dumps(example, ensure_ascii=False)}'"]
     address = address + re.sub(r"\{(\w+)\}", lambda name: name[1].upper(), path)
     return " ".join([*parts, f"'{address}'"])

@@ -20,7 +20,8 @@ _PATH = Markup('<path d="{}" class="{}"></path>')
 
 
 def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
-    """Return a histogram of the counted points after the late penalty, ``most`` of which can be had without a bonus.
+    """Return a histogram of the counted points after the late penalty, ``most`` of which can be had without a
+    bonus.
 
     A bin holds whole points: several if there are many, and the edges are marked then. None without points.
     """
@@ -41,7 +42,11 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
             marks.append(Markup('<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" class="bar"></rect>').format(
                 x + 1, HIGH - BOTTOM - height, across * width - 2, height))  # fmt: skip
             marks.append(_TEXT.format(x + across * width / 2, HIGH - BOTTOM - height - 4, "middle", count))
-        marks.append(_TEXT.format(x + (across / 2 if width == 1 else 0.0), HIGH - BOTTOM + 13, "middle quiet", number * width))
+        marks.append(
+            _TEXT.format(
+                x + (across / 2 if width == 1 else 0.0), HIGH - BOTTOM + 13, "middle quiet", number * width
+            )
+        )
     if width > 1:
         marks.append(_TEXT.format(WIDE - RIGHT, HIGH - BOTTOM + 13, "middle quiet", len(counts) * width))
     alt = f"Students by points: median {median(points):g} of {most}, from {min(points):g} to {max(points):g}."
@@ -49,7 +54,8 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
 
 
 def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None) -> Markup | None:
-    """Return how many students had submitted, and had full marks, ``most`` points, at each time. None without a submission.
+    """Return how many students had submitted, and had full marks, ``most`` points, at each time. None without
+    a submission.
 
     The x axis is linear in time, the curves are steps.
     """
@@ -57,7 +63,9 @@ def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None)
     if not first:
         return None
     full = sorted(at for s in students if (at := _full_marks_at(s, most)) is not None)
-    until = max([s.sent_at[-1] for s in students if s.sent_at] + ([min(due_at, datetime.now(UTC))] if due_at else []))
+    until = max(
+        [s.sent_at[-1] for s in students if s.sent_at] + ([min(due_at, datetime.now(UTC))] if due_at else [])
+    )
     start, seconds = first[0], max((until - first[0]).total_seconds(), 3600.0)
     across = (WIDE - LEFT - RIGHT - NAMES) / seconds
 
@@ -66,7 +74,11 @@ def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None)
 
     marks = [_axes("", "students")]
     for place, at in (("start", start), ("middle", start + (until - start) / 2), ("end", until)):
-        marks.append(_TEXT.format(x(at), HIGH - BOTTOM + 13, f"{place} quiet", at.astimezone(ZONE.get()).strftime("%d %b %H:%M")))
+        marks.append(
+            _TEXT.format(
+                x(at), HIGH - BOTTOM + 13, f"{place} quiet", at.astimezone(ZONE.get()).strftime("%d %b %H:%M")
+            )
+        )
     marks.append(_TEXT.format(WIDE - RIGHT, HIGH - 4, "end quiet", f"time ({ZONE.get()})"))
     if due_at and start <= due_at <= until:
         marks += [
@@ -85,7 +97,10 @@ def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None)
     lower = max(lower, upper + 12)
     for y, (text, kind) in ((upper, upper_text), (min(lower, HIGH - BOTTOM + 2.0), lower_text)):
         marks.append(_TEXT.format(x(until) + 4, y + 4, kind.replace("line", "name"), text))
-    marks += [_TEXT.format(LEFT - 4, HIGH - BOTTOM - _height(n, len(students)) + 4, "end quiet", n) for n in {0, len(students)}]
+    marks += [
+        _TEXT.format(LEFT - 4, HIGH - BOTTOM - _height(n, len(students)) + 4, "end quiet", n)
+        for n in {0, len(students)}
+    ]
     who = f"{len(first)} of {len(students)} students submitted"
     return _svg(f"{who} from {start:%Y-%m-%d} to {until:%Y-%m-%d}; {len(full)} have full marks.", marks)
 
@@ -107,4 +122,6 @@ def _axes(across: str, up: str) -> Markup:
 
 def _svg(alt: str, marks: Iterable[Markup]) -> Markup:
     shown = Markup("").join(marks)
-    return Markup('<svg class="chart" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>').format(WIDE, HIGH, alt, shown)
+    return Markup('<svg class="chart" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>').format(
+        WIDE, HIGH, alt, shown
+    )

@@ -20,15 +20,19 @@ from service.store.database import Row
 SMALL_MARGIN = 3.0  # a passed check with a smaller margin suggests that the tolerance is too tight
 DECADES = range(-4, 13)  # bins of log10(margin); the first and last bins include everything beyond
 EMPTY = "<td></td>"
-CELLS = {f"{state}{star}": f'<td class="{state}">{mark}{star}</td>' for state, mark in result.MARKS.items() for star in ("", "*")}
+CELLS = {
+    f"{state}{star}": f'<td class="{state}">{mark}{star}</td>'
+    for state, mark in result.MARKS.items()
+    for star in ("", "*")
+}
 
 
 @dataclass(frozen=True)
 class CheckStats:
     """Results of one check over the class.
 
-    ``margins`` are the positive measured ones; ``bins`` counts them by decade. ``exact`` is the number of students who passed
-    without a measured deviation.
+    ``margins`` are the positive measured ones; ``bins`` counts them by decade. ``exact`` is the number of
+    students who passed without a measured deviation.
     """
 
     check: Check
@@ -58,7 +62,9 @@ class CheckStats:
 
     @property
     def median_margin(self) -> float | None:
-        """The median of the margins, infinite without a deviation; None where no ✓ of the check has a margin."""
+        """The median of the margins, infinite without a deviation;
+        None where no ✓ of the check has a margin.
+        """
         if not self.margins or (self.exact and self.smallest_margin is None):
             return None
         return median([*self.margins, *[math.inf] * self.exact])
@@ -67,7 +73,9 @@ class CheckStats:
 def by_check(assignment: Assignment, outcomes: Mapping[str, Row]) -> list[CheckStats]:
     """Return the statistics of every check, in the assignment's order, from ``outcomes.by_check``."""
     found = [(e.number, c) for e in assignment.exercises for c in e.checks]
-    return [_check(check, number, assignment.hidden(check), outcomes.get(check.id)) for number, check in found]
+    return [
+        _check(check, number, assignment.hidden(check), outcomes.get(check.id)) for number, check in found
+    ]
 
 
 def submission_counts(students: Iterable[StudentRow]) -> list[tuple[int, int]]:
@@ -76,7 +84,9 @@ def submission_counts(students: Iterable[StudentRow]) -> list[tuple[int, int]]:
 
 
 def has_no_gain(student: StudentRow, most: int) -> bool:
-    """Return whether two or more graded submissions brought the student no points of ``most`` beyond the first of them."""
+    """Return whether two or more graded submissions brought the student no points of ``most`` beyond the
+    first of them.
+    """
     earned = [points for points in student.earned if points is not None]
     return len(earned) > 1 and max(earned) <= earned[0] < most
 
@@ -87,7 +97,8 @@ def equal_names(students: Iterable[StudentRow]) -> set[str]:
 
 
 def cells(outcomes: Mapping[str, str], ids: Iterable[str]) -> list[str]:
-    """Return a student's table cells as HTML; ``outcomes`` has the state by check id, with "*" if it is an override's.
+    """Return a student's table cells as HTML; ``outcomes`` has the state by check id, with "*" if it is an
+    override's.
 
     A template would be too slow for tens of thousands of cells.
     """
@@ -106,4 +117,6 @@ def _check(check: Check, exercise: str, hidden: bool, outcomes: Row | None) -> C
     edges = [0, *(bisect_left(margins, 10.0**decade) for decade in DECADES[1:]), len(margins)]
     bins = [end - start for start, end in pairwise(edges)]
     states, causes = Counter(outcomes.states.split()), Counter(outcomes.causes or [])
-    return CheckStats(check, exercise, hidden, states, causes, margins, outcomes.exact, outcomes.smallest, bins)
+    return CheckStats(
+        check, exercise, hidden, states, causes, margins, outcomes.exact, outcomes.smallest, bins
+    )

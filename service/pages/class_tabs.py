@@ -1,4 +1,6 @@
-"""The class pages of an assignment, for staff: overview, students, checks, submissions and settings, each a tab."""
+"""The class pages of an assignment, for staff: overview, students, checks, submissions and settings, each a
+tab.
+"""
 
 import gzip
 from statistics import median
@@ -32,7 +34,9 @@ class SubmissionFilter(BaseModel):
 
 @router.get("/assignments/{slug}/class", response_class=HTMLResponse)
 async def overview(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
-    """Show what the class has submitted: points, progress, the most common causes of failures, and exports."""
+    """Show what the class has submitted: points, progress, the most common causes of failures,
+    and exports.
+    """
     slug, most = assignment.slug, assignment.max_points()
     students, rules = await gradebook.students(database, slug), await gradebook.rules(database, slug)
     points = [s.final for s in students if s.final is not None]
@@ -69,7 +73,10 @@ async def show_students(
         students.sort(key=lambda s: -1 if s.final is None else s.final, reverse=sort == "points")
     elif sort == "activity":
         students.sort(key=lambda s: s.sent_at[-1].timestamp() if s.sent_at else 0.0, reverse=True)
-    ids, found = [c.id for c in assignment.checks()], await outcomes.by_student(database, gradebook.graded(everyone))
+    ids, found = (
+        [c.id for c in assignment.checks()],
+        await outcomes.by_student(database, gradebook.graded(everyone)),
+    )
     cells = [class_stats.cells(found.get(s.grading, {}), ids) for s in students]
     page = _page(
         request,
@@ -104,11 +111,16 @@ async def show_checks(request: Request, person: Staff, assignment: Assigned, dat
 
 @router.get("/assignments/{slug}/class/submissions", response_class=HTMLResponse)
 async def show_submissions(
-    request: Request, person: Staff, assignment: Assigned, database: Db, selection: Annotated[SubmissionFilter, Query()]
+    request: Request,
+    person: Staff,
+    assignment: Assigned,
+    database: Db,
+    selection: Annotated[SubmissionFilter, Query()],
 ) -> Response:
     """Show the counted submissions that match a check, its state or a cause."""
     check, state, cause = (
-        None if one is None else one.replace("\x00", "") for one in (selection.check, selection.state, selection.cause)
+        None if one is None else one.replace("\x00", "")
+        for one in (selection.check, selection.state, selection.cause)
     )
     students = found = await gradebook.students(database, assignment.slug)
     matching = {}
@@ -136,9 +148,15 @@ async def show_submissions(
 
 @router.get("/assignments/{slug}/class/settings", response_class=HTMLResponse)
 async def show_settings(
-    request: Request, person: Staff, assignment: Assigned, database: Db, removed: Annotated[str, Query(max_length=200)] = ""
+    request: Request,
+    person: Staff,
+    assignment: Assigned,
+    database: Db,
+    removed: Annotated[str, Query(max_length=200)] = "",
 ) -> Response:
-    """Show deadline, limits and extensions, which instructors can change. The extension of ``removed`` can be restored."""
+    """Show deadline, limits and extensions, which instructors can change. The extension of ``removed`` can be
+    restored.
+    """
     slug = assignment.slug
     return _page(
         request,
@@ -157,7 +175,9 @@ def _page(request: Request, template: str, assignment: Assignment, **context: An
 
 
 def _compressed(request: Request, page: Response) -> Response:
-    """Return the page compressed if the browser can read that. The page must have no form: compression can leak a form's token."""
+    """Return the page compressed if the browser can read that. The page must have no form: compression can
+    leak a form's token.
+    """
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return page
     headers = {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}

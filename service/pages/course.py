@@ -37,13 +37,25 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     isolation, reason = await workers.current()
     order = list(assignments())
     overview = [row for row in await gradebook.overview(database) if row.slug in order]
-    overview.sort(key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug)))
-    own = [] if staff else [one for one in await grades(database, person=person.name) if one.assignment in order and one.released]
+    overview.sort(
+        key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug))
+    )
+    own = (
+        []
+        if staff
+        else [
+            one
+            for one in await grades(database, person=person.name)
+            if one.assignment in order and one.released
+        ]
+    )
     context = {
         "staff": staff,
         "own": {one.assignment: one for one in own},
         "total": total_percent(own, graded=True),
-        "rows": [visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)],
+        "rows": [
+            visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)
+        ],
         "assignments": assignments(),
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
@@ -57,21 +69,29 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
 
 
 def _self_reported(checks: Sequence[Check]) -> str:
-    """Return how many of an assignment's checks carry no points because they are self-reported, "" if none is."""
+    """Return how many of an assignment's checks carry no points because they are self-reported, "" if none
+    is.
+    """
     count = sum(map(is_self_reported, checks))
     return f"{count} of {len(checks)} checks are self-reported and carry no points" if count else ""
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
 async def own_submissions(
-    request: Request, person: CurrentUser, assignment: Assigned, database: Db, same: Annotated[str, Query(max_length=40)] = ""
+    request: Request,
+    person: CurrentUser,
+    assignment: Assigned,
+    database: Db,
+    same: Annotated[str, Query(max_length=40)] = "",
 ) -> Response:
     """Show the person's submissions to an assignment and the changes between them.
 
     ``same`` is the id of the submission that an upload repeats: the page asks whether to submit it again.
     """
     history = await list_own(assignment, person, database)
-    best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
+    best, last = (
+        next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last)
+    )
     context = {"assignment": assignment, "person": person.name, "history": history}
     context["late_penalty"] = (await course_settings.read(database)).late_penalty
     context["same"] = next((s for s in history.submissions if str(s.id) == same), None)
@@ -81,8 +101,12 @@ async def own_submissions(
 
 @router.post("/assignments/{slug}/submissions")
 async def upload(slug: str, person: CurrentUser, origin: forms.SameOrigin, stored: Stored) -> Response:
-    """Store an uploaded file as a submission, and show its page; ask first if it repeats the person's last submission."""
-    return RedirectResponse(f"/assignments/{slug}?same={stored.id}" if stored.repeated else f"/submissions/{stored.id}", 303)
+    """Store an uploaded file as a submission, and show its page; ask first if it repeats the person's last
+    submission.
+    """
+    return RedirectResponse(
+        f"/assignments/{slug}?same={stored.id}" if stored.repeated else f"/submissions/{stored.id}", 303
+    )
 
 
 @router.get("/audit", response_class=HTMLResponse)
@@ -102,7 +126,9 @@ async def audit_log(
 
 @others.api_route("/{path:path}", methods=["GET", "POST", "PUT", "PATCH", "DELETE"])
 async def not_found(request: Request, path: str, person: OptionalUser) -> Response:
-    """Answer every address that nothing else answers with a page on which those who are logged in find their way back."""
+    """Answer every address that nothing else answers with a page on which those who are logged in find their
+    way back.
+    """
     if any(route.matches(request.scope)[0] is Match.PARTIAL for route in request.app.routes):
         raise HTTPException(405)  # another route has this address, not this method
     raise Problem(404, "not-found", "nothing has this address: check it")

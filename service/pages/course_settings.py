@@ -23,7 +23,9 @@ MOST_WEIGHT = 1000
 
 
 async def use_course_zone(database: Db) -> None:
-    """Show and read times in the course's time zone while this request is answered; in UTC during an outage of the database."""
+    """Show and read times in the course's time zone while this request is answered; in UTC during an outage
+    of the database.
+    """
     try:
         ZONE.set(find_zone((await course_settings.read(database)).time_zone))
     except Exception as error:
@@ -48,8 +50,15 @@ async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
     """Save time zone, late penalty and the weights of the assignments."""
     zone = forms.field(form, "time_zone") or "UTC"
     if str(find_zone(zone)) != zone:
-        raise Problem(422, "invalid-request", f"no time zone {zone[:80]}: enter a name such as Europe/Berlin", "/time_zone")
-    settings = CourseSettings(zone, _percent(form, "late_penalty", 0.0), _percent(form, "late_penalty_limit", 100.0))
+        raise Problem(
+            422,
+            "invalid-request",
+            f"no time zone {zone[:80]}: enter a name such as Europe/Berlin",
+            "/time_zone",
+        )
+    settings = CourseSettings(
+        zone, _percent(form, "late_penalty", 0.0), _percent(form, "late_penalty_limit", 100.0)
+    )
     weights = {
         row.slug: forms.number(form, name, 0, MOST_WEIGHT, float(row.weight))
         for row in await _overview(database)
@@ -61,11 +70,16 @@ async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
 
 @router.post("/assignments/{slug}/release")
 async def set_release(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
-    """Set when the students see scores and the details of hidden checks, or release them or withdraw the release now."""
+    """Set when the students see scores and the details of hidden checks, or release them or withdraw the
+    release now.
+    """
     slug, action = assignment.slug, forms.field(form, "action")
     if what := {"scores": "scores", "details": "details"}.get(action.partition(" ")[2]):
         released = action.startswith("release ")
-        chosen = {"scores": released if what == "scores" else None, "details": released if what == "details" else None}
+        chosen = {
+            "scores": released if what == "scores" else None,
+            "details": released if what == "details" else None,
+        }
         await course_settings.release(database, slug, **chosen, actor=person.name)
     else:
         scores, details = (_release(form, name) for name in ("scores", "details"))

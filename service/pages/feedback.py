@@ -1,4 +1,6 @@
-"""Feedback on a submission: regrade requests with their answers, the list of them, and the staff's comments on source lines."""
+"""Feedback on a submission: regrade requests with their answers, the list of them, and the staff's comments
+on source lines.
+"""
 
 from typing import get_args
 
@@ -22,7 +24,9 @@ router = APIRouter()
 @router.post("/submissions/{id}/regrade-requests")
 async def request_regrade(person: CurrentUser, form: Form, stored: Submission, database: Db) -> Response:
     """Request a regrade of one's own submission."""
-    await feedback.request_regrade(database, person, stored, required(form, "reason", regrade_requests.LONGEST))
+    await feedback.request_regrade(
+        database, person, stored, required(form, "reason", regrade_requests.LONGEST)
+    )
     return RedirectResponse(f"/submissions/{stored.id}#regrade-requests", 303)
 
 
@@ -30,7 +34,9 @@ async def request_regrade(person: CurrentUser, form: Form, stored: Submission, d
 async def list_requests(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show the regrade requests about an assignment, each open one with the form of its answer."""
     rows = await regrade_requests.of_assignment(database, assignment.slug)
-    return templates.TemplateResponse(request, "regrade_requests.html", {"assignment": assignment, "requests": rows})
+    return templates.TemplateResponse(
+        request, "regrade_requests.html", {"assignment": assignment, "requests": rows}
+    )
 
 
 @router.post("/regrade-requests/{request}/answer")
@@ -39,7 +45,9 @@ async def answer_request(person: Staff, form: Form, request: str, database: Db) 
     status = next((one for one in get_args(Answer) if one == field(form, "status")), None)
     if status is None:
         raise Problem(422, "invalid-request", "accept or decline the request", "/status")
-    found = await feedback.answer_request(database, person, request, status, required(form, "answer", regrade_requests.LONGEST))
+    found = await feedback.answer_request(
+        database, person, request, status, required(form, "answer", regrade_requests.LONGEST)
+    )
     return RedirectResponse(f"/submissions/{found.submission}#regrade-requests", 303)
 
 
@@ -47,12 +55,16 @@ async def answer_request(person: Staff, form: Form, request: str, database: Db) 
 async def write_comment(person: Staff, form: Form, stored: Submission, database: Db) -> Response:
     """Write a comment on a line, and show it."""
     cell, line = _number(form, "cell"), _number(form, "line")
-    await feedback.write_comment(database, person, stored, cell, line, required(form, "comment", comments.LONGEST))
+    await feedback.write_comment(
+        database, person, stored, cell, line, required(form, "comment", comments.LONGEST)
+    )
     return RedirectResponse(f"/submissions/{stored.id}#line-{cell}-{line}", 303)
 
 
 @router.post("/submissions/{id}/comments/{comment}/delete")
-async def delete_comment(person: Staff, form: Form, stored: Submission, comment: str, database: Db) -> Response:
+async def delete_comment(
+    person: Staff, form: Form, stored: Submission, comment: str, database: Db
+) -> Response:
     """Delete a comment."""
     await feedback.delete_comment(database, person, stored, comment)
     return RedirectResponse(f"/submissions/{stored.id}#source", 303)

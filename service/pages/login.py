@@ -34,7 +34,9 @@ async def login_page(
     next: str = "",
 ) -> Response:
     """Show the log-in page, or the authorization page for a notebook's code."""
-    return await _page(request, person, settings, database, cookies, code[:20], local_path(next[:LONGEST_PATH]))
+    return await _page(
+        request, person, settings, database, cookies, code[:20], local_path(next[:LONGEST_PATH])
+    )
 
 
 @router.post("/login", response_class=HTMLResponse)
@@ -54,7 +56,11 @@ async def login(
     """
     code, back = field(form, "code", 20), local_path(field(form, "next", LONGEST_PATH))
     try:
-        token, password, name = field(form, "token"), raw_field(form, "password"), _normalized(field(form, "name"))
+        token, password, name = (
+            field(form, "token"),
+            raw_field(form, "password"),
+            _normalized(field(form, "name")),
+        )
         method = "token" if token else "password" if name or password else ""  # "" is an existing session
         if token:
             name = _check_login_scope(await by_token(token, database, hub))
@@ -70,15 +76,21 @@ async def login(
         if code:
             refused = bool(field(form, "refuse"))
             if not await tokens.confirm_login(database, code, None if refused else name):
-                raise Problem(404, "not-found", "no login request has this code: run ecp.login() again in the notebook")
+                raise Problem(
+                    404, "not-found", "no login request has this code: run ecp.login() again in the notebook"
+                )
     except Problem as problem:
         if not wants_page(request):
             raise
         person = visitor if isinstance(visitor, Person) else None
-        return await _page(request, person, settings, database, cookies, code, back, problem, field(form, "name"))
+        return await _page(
+            request, person, settings, database, cookies, code, back, problem, field(form, "name")
+        )
     response: Response = RedirectResponse(back or "/", 303)
     if code:
-        response = templates.TemplateResponse(request, "login_done.html", {"person": name, "refused": refused})
+        response = templates.TemplateResponse(
+            request, "login_done.html", {"person": name, "refused": refused}
+        )
     if method:
         await cookies.start_session(response, name, method)
     return response
@@ -88,8 +100,8 @@ async def login(
 async def logout(origin: SameOrigin, person: OptionalUser, database: Db) -> Response:
     """End the browser's session on all servers.
 
-    The form is in every page and has no token, as compressed pages must not contain one: the origin is checked, and
-    browsers send the session's cookie only with forms of this site.
+    The form is in every page and has no token, as compressed pages must not contain one: the origin is
+    checked, and browsers send the session's cookie only with forms of this site.
     """
     if person is not None and person.session:
         async with database.begin() as connection:
@@ -99,7 +111,9 @@ async def logout(origin: SameOrigin, person: OptionalUser, database: Db) -> Resp
 
 def _check_login_scope(person: Person) -> str:
     if "login" not in person.scopes:
-        raise Problem(403, "not-allowed", "a notebook's token cannot log in here: use the token from your course")
+        raise Problem(
+            403, "not-allowed", "a notebook's token cannot log in here: use the token from your course"
+        )
     return person.name
 
 

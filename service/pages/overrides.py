@@ -28,7 +28,9 @@ async def create(person: Instructor, form: Form, stored: Submission, database: D
     check, points, revision = field(form, "check"), field(form, "points"), field(form, "seen")
     reason = field(form, "reason", overrides.LONGEST_REASON)
     if not re.fullmatch(r"[0-9]{1,4}([.,][0-9]{1,2})?", points):
-        raise Problem(422, "invalid-request", "points must be a number from 0 with at most two decimals", "/points")
+        raise Problem(
+            422, "invalid-request", "points must be a number from 0 with at most two decimals", "/points"
+        )
     seen = int(revision) if revision.isascii() and revision.isdigit() and len(revision) < 9 else None
     try:
         await overrides.give(
@@ -46,7 +48,9 @@ async def create(person: Instructor, form: Form, stored: Submission, database: D
 
 
 @router.post("/submissions/{id}/overrides/{override}/withdraw")
-async def withdraw(person: Instructor, form: Form, stored: Submission, override: str, database: Db) -> Response:
+async def withdraw(
+    person: Instructor, form: Form, stored: Submission, override: str, database: Db
+) -> Response:
     """Withdraw an override, so that the measured score counts again."""
     try:
         found = await overrides.withdraw(database, stored.id, identifier(override), person.name)
@@ -60,12 +64,21 @@ async def withdraw(person: Instructor, form: Form, stored: Submission, override:
 async def context(database: Db, stored: SubmissionRecord) -> dict[str, Any]:
     """Return the context of ``overrides.html`` for a submission."""
     found = await overrides.of_submission(database, stored.id)
-    labels = {o.id: f"{e.number}: {o.label}" for e in (stored.report.exercises if stored.report else []) for o in e.outcomes}
+    labels = {
+        o.id: f"{e.number}: {o.label}"
+        for e in (stored.report.exercises if stored.report else [])
+        for o in e.outcomes
+    }
     counted = [
         (e.number, e.title, [(o.id, o.label, o.points) for o in e.outcomes if o.counted])
         for e in (stored.report.exercises if stored.report else [])
     ]
-    return {"overrides": found, "overrides_revision": overrides.revision(found), "check_labels": labels, "checks_counted": counted}
+    return {
+        "overrides": found,
+        "overrides_revision": overrides.revision(found),
+        "check_labels": labels,
+        "checks_counted": counted,
+    }
 
 
 def _problem(error: overrides.OverrideRejected) -> Problem:

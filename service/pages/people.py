@@ -37,9 +37,17 @@ async def show_people(
     return await _page(request, database, entered)
 
 
-async def _page(request: Request, database: Db, entered: int | None = None, problem: Problem | None = None) -> Response:
-    context = {"rows": await people.everybody(database), "imported": entered, "error": problem and problem.detail}
-    return templates.TemplateResponse(request, "people.html", context, status_code=problem.status if problem else 200)
+async def _page(
+    request: Request, database: Db, entered: int | None = None, problem: Problem | None = None
+) -> Response:
+    context = {
+        "rows": await people.everybody(database),
+        "imported": entered,
+        "error": problem and problem.detail,
+    }
+    return templates.TemplateResponse(
+        request, "people.html", context, status_code=problem.status if problem else 200
+    )
 
 
 @router.post("/people/preview", response_class=HTMLResponse)
@@ -57,7 +65,11 @@ async def preview_roster(request: Request, person: Instructor, form: forms.Form,
         "content": content,
         "found": found,
         "entries": [(entry, *_change(entry, known.get(entry.name))) for entry in found.entries],
-        "absent": [row for row in known.values() if row.role == "student" and row.name not in {e.name for e in found.entries}],
+        "absent": [
+            row
+            for row in known.values()
+            if row.role == "student" and row.name not in {e.name for e in found.entries}
+        ],
         "tokens": forms.field(form, "tokens"),
         "most_named": MOST_NAMED,
     }
@@ -76,14 +88,23 @@ async def import_roster(request: Request, person: Instructor, form: forms.Form, 
     names = [entry.name for entry in found.entries] if forms.field(form, "tokens") else []
     async with database.begin() as connection:
         await people.enroll(connection, found.entries)
-        options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
+        options: dict[str, Any] = {
+            "label": "issued with the roster",
+            "scopes": tokens.SCOPES,
+            "seconds": TOKEN_S,
+        }
         created = await tokens.create_all(connection, names, **options) if names else []
-        await audit.record(connection, person.name, "roster", file, {"people": len(found.entries), "tokens": len(created)})
-    return _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(found.entries)}", 303)
+        await audit.record(
+            connection, person.name, "roster", file, {"people": len(found.entries), "tokens": len(created)}
+        )
+    return (
+        _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(found.entries)}", 303)
+    )
 
 
 async def _roster(form: FormData, person: Person) -> tuple[str, str, roster.Roster]:
-    """Return name, text and entries of the roster in a form: an uploaded file, or the text that a preview repeats.
+    """Return name, text and entries of the roster in a form: an uploaded file, or the text that a preview
+    repeats.
 
     Raises Problem 422 if it is not valid.
     """
@@ -96,15 +117,26 @@ async def _roster(form: FormData, person: Person) -> tuple[str, str, roster.Rost
     except roster.BadRoster as error:
         raise Problem(422, "invalid-request", str(error), "/roster") from None
     if len(found.entries) > MOST_PEOPLE:
-        raise Problem(422, "invalid-request", f"the roster has more than {MOST_PEOPLE} people: split the file", "/roster")
-    if not person.single_user and any(e.name == person.name and e.role not in (None, "instructor") for e in found.entries):
-        detail = "this roster would remove your own instructor role, so nothing was imported: correct your line"
+        raise Problem(
+            422,
+            "invalid-request",
+            f"the roster has more than {MOST_PEOPLE} people: split the file",
+            "/roster",
+        )
+    if not person.single_user and any(
+        e.name == person.name and e.role not in (None, "instructor") for e in found.entries
+    ):
+        detail = (
+            "this roster would remove your own instructor role, so nothing was imported: correct your line"
+        )
         raise Problem(422, "invalid-request", detail, "/roster")
     return file, text or roster.text(content), found
 
 
 def _change(entry: roster.Entry, known: Row | None) -> tuple[str, dict[str, tuple[str, str]]]:
-    """Return "new", "changed" or "unchanged", and of a known person the old and the new value of each changed column."""
+    """Return "new", "changed" or "unchanged", and of a known person the old and the new value of each changed
+    column.
+    """
     if known is None:
         return "new", {}
     pairs = {column: (getattr(known, column), getattr(entry, column)) for column in people.ROSTER[1:]}
@@ -119,7 +151,10 @@ def _tokens_file(created: list[tuple[str, str]]) -> Response:
 
 @router.get("/person", response_class=HTMLResponse)
 async def show_person(
-    request: Request, person: Staff, database: Db, name: Annotated[str, Query(max_length=people.LONGEST_NAME)] = ""
+    request: Request,
+    person: Staff,
+    database: Db,
+    name: Annotated[str, Query(max_length=people.LONGEST_NAME)] = "",
 ) -> Response:
     """Show a person's assignments, submissions, extensions and overrides."""
     if not name:
@@ -127,13 +162,19 @@ async def show_person(
     about = None if "\x00" in name else await people.find(database, name)
     if about is None:
         raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
-    counted = {row.assignment: row for row in await grades(database, person=name) if row.assignment in assignments()}
+    counted = {
+        row.assignment: row for row in await grades(database, person=name) if row.assignment in assignments()
+    }
     sent = await recent(database, MOST_SUBMISSIONS, name)
     context = {
         "about": about,
         "beside": await people.neighbours(database, name),
         "assignments": assignments(),
-        "rows": [(row, counted[row.slug]) for row in await deadlines.of_person(database, name) if row.slug in counted],
+        "rows": [
+            (row, counted[row.slug])
+            for row in await deadlines.of_person(database, name)
+            if row.slug in counted
+        ],
         "total": total_percent(counted.values(), graded=True),
         "notes": await notes.of_person(database, name),
         "submissions": sent,
@@ -159,7 +200,9 @@ async def write_note(person: Staff, form: forms.Form, database: Db) -> Response:
 
 
 @router.get("/search", response_class=HTMLResponse)
-async def search(request: Request, person: Staff, database: Db, q: Annotated[str, Query(max_length=200)] = "") -> Response:
+async def search(
+    request: Request, person: Staff, database: Db, q: Annotated[str, Query(max_length=200)] = ""
+) -> Response:
     """Show the people, assignments and submissions that match a text."""
     text = q.replace("\x00", "").strip()
     folded = text.casefold()

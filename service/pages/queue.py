@@ -28,7 +28,9 @@ SILENT_S = 5.0  # workers send a heartbeat every three seconds
 @router.get("/queue", response_class=HTMLResponse)
 async def page(request: Request, person: Staff, queue: Queue) -> Response:
     """Show the queue."""
-    return templates.TemplateResponse(request, "queue.html", {"queue": await queue.current(), "most": MOST_PLACES})
+    return templates.TemplateResponse(
+        request, "queue.html", {"queue": await queue.current(), "most": MOST_PLACES}
+    )
 
 
 @router.get("/queue/events", response_class=EventSourceResponse)
@@ -47,7 +49,9 @@ async def cancel(grading: str, person: Staff, form: Form, database: Db, queue: Q
         found = await gradings.cancel(database, identifier(grading), person.name)
     except gradings.AlreadyFinished:
         raise Problem(
-            409, "changed-meanwhile", "the grading already has a result and cannot be cancelled: reload the page"
+            409,
+            "changed-meanwhile",
+            "the grading already has a result and cannot be cancelled: reload the page",
         ) from None
     if found is None:
         raise Problem(404, "not-found", "no such grading: reload the queue")
@@ -62,7 +66,8 @@ async def retry(submission: str, person: Staff, form: Form, database: Db, queue:
         raise Problem(
             409,
             "changed-meanwhile",
-            "nothing to retry: the submission has a report, is being graded or does not exist; reload the queue",
+            "nothing to retry: the submission has a report, is being graded or does not exist; reload the"
+            " queue",
         )
     queue.invalidate()
     return RedirectResponse("/queue", 303)
@@ -79,7 +84,10 @@ def snapshot(queue: QueueSnapshot, lease_s: float = LEASE_S) -> dict[str, Any]:
         "kinds": [(kind.n, kind.kind) for kind in queue.waiting],
         "places": [row._asdict() for row in queue.places],
         "going": [_run_to_json(run, lease_s) for run in queue.going],
-        "workers": [w._asdict() | {"silent_s": _silence(w.silent_s, SILENT_S), "busy": w.name in busy} for w in queue.workers],
+        "workers": [
+            w._asdict() | {"silent_s": _silence(w.silent_s, SILENT_S), "busy": w.name in busy}
+            for w in queue.workers
+        ],
         "faults": [row._asdict() for row in queue.faults],
     }
 
@@ -100,10 +108,27 @@ def _silence(seconds: float, usual: float) -> str:
 
 def _run_to_json(run: Row, lease_s: float) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
-    progress = {"phase": phase, "running": format_seconds(run.running_s), "in_scene": format_seconds(run.scene_s), "stuck": ""}
+    progress = {
+        "phase": phase,
+        "running": format_seconds(run.running_s),
+        "in_scene": format_seconds(run.scene_s),
+        "stuck": "",
+    }
     progress["silent"] = _silence(run.silent_s, lease_s)
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
-        progress["stuck"] = f"{format_seconds(run.scene_s)} {where}: possibly an endless loop; the time limit will stop it"
-    columns = ("grading", "kind", "number", "preview", "submission", "person", "full_name", "assignment", "worker")
+        progress["stuck"] = (
+            f"{format_seconds(run.scene_s)} {where}: possibly an endless loop; the time limit will stop it"
+        )
+    columns = (
+        "grading",
+        "kind",
+        "number",
+        "preview",
+        "submission",
+        "person",
+        "full_name",
+        "assignment",
+        "worker",
+    )
     return {name: getattr(run, name) for name in columns} | progress

@@ -52,12 +52,18 @@ async def list_regrades(request: Request, person: Staff, assignment: Assigned, d
 @router.post("/assignments/{slug}/regrades")
 async def create(person: Staff, form: Form, assignment: Assigned, database: Db, queue: Queue) -> Response:
     """Start a preview regrade of the selected submissions. Shown results do not change."""
-    which, check, description = await _selection(database, assignment, field(form, "which"), field(form, "check"))
+    which, check, description = await _selection(
+        database, assignment, field(form, "which"), field(form, "check")
+    )
     try:
-        id = await regrades.create(database, assignment.slug, which, person.name, check=check, description=description)
+        id = await regrades.create(
+            database, assignment.slug, which, person.name, check=check, description=description
+        )
     except regrades.NothingToGrade:
         raise Problem(
-            409, "not-ready", f"nothing to regrade ({description}): no submission matches, or all are being graded"
+            409,
+            "not-ready",
+            f"nothing to regrade ({description}): no submission matches, or all are being graded",
         ) from None
     queue.invalidate()
     return RedirectResponse(f"/regrades/{id}", 303)
@@ -66,18 +72,33 @@ async def create(person: Staff, form: Form, assignment: Assigned, database: Db, 
 @router.get("/regrades/{id}", response_class=HTMLResponse)
 async def page(request: Request, person: Staff, regrade: Found, database: Db) -> Response:
     """Show the regrade's progress and changes."""
-    pairs, flips = await regrades.score_changes(database, regrade.id), await regrades.check_changes(database, regrade.id)
+    pairs, flips = (
+        await regrades.score_changes(database, regrade.id),
+        await regrades.check_changes(database, regrade.id),
+    )
     assignment = await find_assignment(regrade.assignment)
-    context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, check_labels(assignment))}
+    context: dict[str, Any] = {
+        "regrade": regrade,
+        "assignment": assignment,
+        "diff": diff(pairs, flips, check_labels(assignment)),
+    }
     role = person.role
-    context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.requested_by)
-    context["may_apply"] = regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
+    context["may_drop"] = regrade.decided is None and (
+        role == "instructor" or person.name == regrade.requested_by
+    )
+    context["may_apply"] = (
+        regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
+    )
     return templates.TemplateResponse(request, "regrade.html", context)
 
 
 @router.get("/regrades/{id}/events", response_class=EventSourceResponse)
 async def events(
-    person: Staff, regrade: Found, database: Db, listener: Held[Listener], last_event_id: Annotated[str | None, Header()] = None
+    person: Staff,
+    regrade: Found,
+    database: Db,
+    listener: Held[Listener],
+    last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncIterator[ServerSentEvent]:
     """Send an event whenever the regrade progresses or is decided, at most once per second."""
     async for event in _feed(database, listener, regrade.id).events(last_event_id):
@@ -103,7 +124,8 @@ async def drop(person: Staff, form: Form, regrade: Found, database: Db, queue: Q
         raise Problem(
             403,
             "not-allowed",
-            "you don't have permission: only instructors and the person who requested the regrade can drop it",
+            "you don't have permission: only instructors and the person who requested the regrade can"
+            " drop it",
         )
     try:
         await regrades.drop(database, regrade.id, person.name)
@@ -113,18 +135,28 @@ async def drop(person: Staff, form: Form, regrade: Found, database: Db, queue: Q
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
 
-async def _selection(database: Db, assignment: Assignment, which: str, check: str) -> tuple[UUID | str, str | None, str]:
+async def _selection(
+    database: Db, assignment: Assignment, which: str, check: str
+) -> tuple[UUID | str, str | None, str]:
     """Return the submissions that the form selects, the check that they do not pass (or None), and a
     description.
     """
     if which == "check":
         if check not in check_labels(assignment):
-            raise Problem(422, "invalid-request", f"the assignment has no check {check[:80]}: select another", "/check")
+            raise Problem(
+                422, "invalid-request", f"the assignment has no check {check[:80]}: select another", "/check"
+            )
         return BEST, check, f"counted submissions that do not pass {check}"
     if which in (BEST, EVERY):
-        return which, None, "everybody's counted submission" if which == BEST else "all submissions of everybody"
+        return (
+            which,
+            None,
+            "everybody's counted submission" if which == BEST else "all submissions of everybody",
+        )
     if not which:
-        raise Problem(422, "invalid-request", "select submissions: all, every, check, or the id of one", "/which")
+        raise Problem(
+            422, "invalid-request", "select submissions: all, every, check, or the id of one", "/which"
+        )
     stored = await records.read(database, identifier(which))
     if stored is None or stored.assignment != assignment.slug:
         raise Problem(404, "not-found", f"{assignment.slug} has no submission {which[:80]}: check the id")
@@ -161,8 +193,15 @@ def diff(pairs: Sequence[Row], changes: Iterable[Row], labels: Mapping[str, str]
         {"check": id, "label": labels.get(id, ""), "marks": marks, "count": count}
         for (id, marks), count in kinds.most_common(MOST_CHANGED)
     ]
-    versions = {side: sorted({v for row in pairs if (v := getattr(row, side))}) for side in ("was_version", "version")}
-    return {"groups": groups, "changed_checks": most_changed, "from": versions["was_version"], "to": versions["version"]}
+    versions = {
+        side: sorted({v for row in pairs if (v := getattr(row, side))}) for side in ("was_version", "version")
+    }
+    return {
+        "groups": groups,
+        "changed_checks": most_changed,
+        "from": versions["was_version"],
+        "to": versions["version"],
+    }
 
 
 def check_labels(assignment: Assignment) -> dict[str, str]:

@@ -50,10 +50,14 @@ class ShownCell:
     left_out: int
 
 
-def cells(submission: Submission, scene_ends: Sequence[SceneEnd], comments: Iterable[Comment] = ()) -> list[ShownCell]:
-    """Return the cells with their lines, marked from the tracebacks of ``scene_ends`` and with the ``comments`` on them.
+def cells(
+    submission: Submission, scene_ends: Sequence[SceneEnd], comments: Iterable[Comment] = ()
+) -> list[ShownCell]:
+    """Return the cells with their lines, marked from the tracebacks of ``scene_ends`` and with the
+    ``comments`` on them.
 
-    The cells have at most MOST_LINES lines in total, or more if needed to reach the last line with a mark or comment.
+    The cells have at most MOST_LINES lines in total, or more if needed to reach the last line with a mark or
+    comment.
     """
     marks = _marks(scene_ends)
     commented: dict[tuple[int, int], list[Comment]] = {}
@@ -147,7 +151,9 @@ def _comparison_steps(a: Sequence[str], b: Sequence[str]) -> float:
     return (len(a) + pairs) * min(len(a), len(b))
 
 
-def _changed_lines(block: tuple[str, int, int, int, int], a: Sequence[str], b: Sequence[str], first: int) -> Iterator[Changed]:
+def _changed_lines(
+    block: tuple[str, int, int, int, int], a: Sequence[str], b: Sequence[str], first: int
+) -> Iterator[Changed]:
     """Yield the lines of one difflib block.
 
     ``first`` is the number of the first line of ``a`` and ``b``.

@@ -21,14 +21,25 @@ async def reference(request: Request, person: OptionalUser) -> HTMLResponse:
     the measurement.
     """
     document, atlas = charts.load_work_precision(), charts.load_stability()
-    context = {"document": document, "atlas": atlas, "scenes": charts.scenes(document), "exceptions": charts.exceptions(document)}
+    context = {
+        "document": document,
+        "atlas": atlas,
+        "scenes": charts.scenes(document),
+        "exceptions": charts.exceptions(document),
+    }
     return templates.TemplateResponse(request, "reference.html", context)
 
 
 @router.get("/reference/{kind}/{number}.svg")
-async def chart(kind: Literal["work-precision", "stability"], number: int, renderer: Held[Renderer]) -> Response:
+async def chart(
+    kind: Literal["work-precision", "stability"], number: int, renderer: Held[Renderer]
+) -> Response:
     """Return a chart of the reference page as SVG."""
-    count = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
+    count = len(
+        charts.load_stability()["entries"]
+        if kind == "stability"
+        else charts.scenes(charts.load_work_precision())
+    )
     if not 0 <= number < count:
         raise Problem(404, "not-found", f"no chart {number}: see /reference for the charts")
     return Response(await renderer.chart(kind, number), media_type="image/svg+xml")

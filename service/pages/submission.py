@@ -47,7 +47,9 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
         "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
-        "timeline": [visible_row(person, row) for row in await timeline(database, stored.person, stored.assignment)],
+        "timeline": [
+            visible_row(person, row) for row in await timeline(database, stored.person, stored.assignment)
+        ],
     }
     refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
     context["sweep_refused"] = refused[0].decode() if refused else ""
@@ -74,19 +76,28 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
     places = {cell.name: cell.place for cell in shown}
     assignment, report = assignments().get(stored.assignment), stored.report
     if assignment and report and report.max_points is None:  # stored before polhode recorded it
-        report.max_points, report.bonus_points = assignment.max_points(stored.exercises), assignment.bonus_points(stored.exercises)
+        report.max_points, report.bonus_points = (
+            assignment.max_points(stored.exercises),
+            assignment.bonus_points(stored.exercises),
+        )
     return {
         "title": assignment.title if assignment else stored.assignment,
         "out_of": assignment.out_of if assignment else report and report.out_of,
         "cells": shown,
         "lines": sum(len(cell.lines) for cell in shown),
         "stops": [
-            (number, scene_end, [(places[p.cell], p) for p in source_locations(scene_end) if p.cell in places])
+            (
+                number,
+                scene_end,
+                [(places[p.cell], p) for p in source_locations(scene_end) if p.cell in places],
+            )
             for number, scene_end in enumerate(scene_ends)
             if scene_end.traceback
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
-        "sweeps": assignment is not None and stored.report is not None and _is_measurable(assignment, stored.report),
+        "sweeps": assignment is not None
+        and stored.report is not None
+        and _is_measurable(assignment, stored.report),
         "cause_numbers": grouped.numbers,
         "causes_header": grouped.header,
         "cause_list": _markup(report_html.cause_list),
@@ -97,13 +108,17 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
 
 
 def _is_measurable(assignment: Assignment, report: Report) -> bool:
-    """Return whether the function whose speed and accuracy the assignment measures gave a check something to measure."""
+    """Return whether the function whose speed and accuracy the assignment measures gave a check something to
+    measure.
+    """
     ran = {e.number for e in report.exercises if any(o.verdict is not Verdict.UNMEASURED for o in e.outcomes)}
     return assignment.sweep is not None and assignment.sweep_of(ran) is not None
 
 
 def _markup(render: Callable[..., str]) -> Callable[..., Markup]:
-    """Return the function of the kit, which escapes what it inserts, for a template that would escape its HTML again."""
+    """Return the function of the kit, which escapes what it inserts, for a template that would escape its
+    HTML again.
+    """
     return lambda *args, **named: Markup(render(*args, **named))  # noqa: S704
 
 
@@ -125,7 +140,9 @@ def _diff(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Chan
 
 
 @router.get("/submissions/{id}/motions/{name}.json")
-async def motion(request: Request, person: CurrentUser, stored: Submission, name: str, database: Db) -> Response:
+async def motion(
+    request: Request, person: CurrentUser, stored: Submission, name: str, database: Db
+) -> Response:
     """Return a motion of the report as JSON; compute it on the first request and store it."""
     assignment = assignments().get(stored.assignment)
     available = playable_motions(assignment, stored.report) if assignment and stored.report else {}
@@ -134,7 +151,9 @@ async def motion(request: Request, person: CurrentUser, stored: Submission, name
         raise Problem(404, "not-found", f"the report has no motion {name[:80]}: check the address")
 
     def compute(packed: list[bytes]) -> bytes:
-        return motion_data.to_json(assignment, requested, rendering.unpack(packed).get(requested.scene, {}), stored.seed)
+        return motion_data.to_json(
+            assignment, requested, rendering.unpack(packed).get(requested.scene, {}), stored.seed
+        )
 
     async def make(packed: list[bytes]) -> bytes:
         return await asyncio.to_thread(compute, packed)
@@ -144,7 +163,10 @@ async def motion(request: Request, person: CurrentUser, stored: Submission, name
 
 def playable_motions(assignment: Assignment, report: Report) -> dict[str, list[Motion]]:
     """Return the motions whose scene finished, by exercise number."""
-    reported, finished = {e.number for e in report.exercises}, {e.scene for e in report.scene_ends if e.ended is Ended.FINISHED}
+    reported, finished = (
+        {e.number for e in report.exercises},
+        {e.scene for e in report.scene_ends if e.ended is Ended.FINISHED},
+    )
     return {
         e.number: found
         for e in assignment.exercises

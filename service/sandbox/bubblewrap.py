@@ -1,7 +1,8 @@
-"""Isolation level ``namespaces``: the guest under bubblewrap, with user, mount, process, network, IPC and host name namespaces.
+"""Isolation level ``namespaces``: the guest under bubblewrap, with user, mount, process, network, IPC and
+host name namespaces.
 
-Its file system holds only what a guest needs and is read-only, except for a small scratch folder that matplotlib needs when the
-zygote imports it. Landlock denies the children access to that folder.
+Its file system holds only what a guest needs and is read-only, except for a small scratch folder that
+matplotlib needs when the zygote imports it. Landlock denies the children access to that folder.
 """
 
 import os
@@ -21,7 +22,14 @@ from service.sandbox.guest_files import (
     packages,
     runtime,
 )
-from service.sandbox.isolation import DATA, ENVIRONMENT, LAYERS, Isolation, reason_to_stay_root, zygote_command
+from service.sandbox.isolation import (
+    DATA,
+    ENVIRONMENT,
+    LAYERS,
+    Isolation,
+    reason_to_stay_root,
+    zygote_command,
+)
 
 GUEST_HOME = "/polhode"  # not /tmp: the checkout itself may lie there
 # Apart, because Landlock's rules hold for everything below a folder.
@@ -31,7 +39,8 @@ GUEST_CODE, GUEST_DATA, SCRATCH = f"{GUEST_HOME}/code", f"{GUEST_HOME}/data", f"
 def namespace_isolation(
     program: str, layers: Collection[str] = LAYERS, more: Collection[str] = (), allow_root: bool = False
 ) -> Isolation:
-    """Return isolation by ``program``, the path of bwrap. The guest can also import the distributions ``more``.
+    """Return isolation by ``program``, the path of bwrap. The guest can also import the distributions
+    ``more``.
 
     A zygote started as root keeps only the capabilities that it needs to change to an unprivileged user id.
     """
@@ -50,8 +59,27 @@ def namespace_isolation(
     )
     variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
     setting = (part for pair in variables.items() for part in ("--setenv", *pair))
-    around = (program, *_namespaces(), *_files(binds), "--clearenv", *setting, "--remount-ro", "/", "--chdir", GUEST_DATA, "--")
-    return Isolation("namespaces", ("bubblewrap", *applied), around, inside, {"PATH": "/usr/bin:/bin"}, stays_root, allow_root)
+    around = (
+        program,
+        *_namespaces(),
+        *_files(binds),
+        "--clearenv",
+        *setting,
+        "--remount-ro",
+        "/",
+        "--chdir",
+        GUEST_DATA,
+        "--",
+    )
+    return Isolation(
+        "namespaces",
+        ("bubblewrap", *applied),
+        around,
+        inside,
+        {"PATH": "/usr/bin:/bin"},
+        stays_root,
+        allow_root,
+    )
 
 
 def _namespaces() -> list[str]:
@@ -63,24 +91,52 @@ def _namespaces() -> list[str]:
 
 
 def _files(binds: list[Path]) -> list[str]:
-    """Return the mounts. The standard library is one of them, with OTHERS hidden: the time of bwrap grows with their square."""
+    """Return the mounts. The standard library is one of them, with OTHERS hidden: the time of bwrap grows
+    with their square.
+    """
     hidden = [path for path in (STANDARD_LIBRARY / name for name in OTHERS) if path.is_dir()]
-    linked = [Path(os.path.realpath(path)) for path in binds if path.parent == STANDARD_LIBRARY and path.is_symlink()]
+    linked = [
+        Path(os.path.realpath(path))
+        for path in binds
+        if path.parent == STANDARD_LIBRARY and path.is_symlink()
+    ]
     single = [STANDARD_LIBRARY, *linked, *(path for path in binds if path.parent != STANDARD_LIBRARY)]
-    folders = {parent for path in single for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME), Path(GUEST_CODE)}
+    folders = {parent for path in single for parent in path.parents[:-1]} | {
+        Path("/dev"),
+        Path(GUEST_HOME),
+        Path(GUEST_CODE),
+    }
     args: list[str] = []
     for folder in sorted(folder for folder in folders if not folder.is_relative_to(STANDARD_LIBRARY)):
-        args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
+        args += [
+            "--perms",
+            "0755",
+            "--dir",
+            str(folder),
+        ]  # without this root's bwrap makes them unreadable for others
     for path in single:
         args += ["--ro-bind", os.path.realpath(path), str(path)]
         if path == STANDARD_LIBRARY:
-            args += [part for one in hidden for part in ("--perms", "0755", "--size", "4096", "--tmpfs", str(one))]
+            args += [
+                part for one in hidden for part in ("--perms", "0755", "--size", "4096", "--tmpfs", str(one))
+            ]
     args += [part for one in hidden for part in ("--remount-ro", str(one))]
     args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(KIT), f"{GUEST_CODE}/ecp"]
     args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
-    args += ["--perms", "0755", "--size", str(1 << 20), "--tmpfs", SCRATCH, "--perms", "0777", "--dir", f"{SCRATCH}/mpl"]
+    args += [
+        "--perms",
+        "0755",
+        "--size",
+        str(1 << 20),
+        "--tmpfs",
+        SCRATCH,
+        "--perms",
+        "0777",
+        "--dir",
+        f"{SCRATCH}/mpl",
+    ]
     for cached in font_list():
         args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
     return args

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from service.sandbox.isolation import Isolation
 
 REMEDIES = (
-    "make the Python environment and polhode's files readable for every user (chmod -R o+rX), run polhode as an ordinary user, "
-    "or set POLHODE_ALLOW_ROOT_GUEST=true to accept a weaker sandbox"
+    "make the Python environment and polhode's files readable for every user (chmod -R o+rX), run polhode as"
+    " an ordinary user, or set POLHODE_ALLOW_ROOT_GUEST=true to accept a weaker sandbox"
 )
 ROOT_ALLOWED = (
     "POLHODE_ALLOW_ROOT_GUEST is set: submissions run as root (%s) and can learn which files of root exist. "
@@ -17,7 +17,9 @@ ROOT_ALLOWED = (
 
 @dataclass(frozen=True)
 class Identity:
-    """The ``users`` and ``groups`` (real, effective, saved; then supplementary groups) and ``capabilities`` of a guest."""
+    """The ``users`` and ``groups`` (real, effective, saved; then supplementary groups) and ``capabilities``
+    of a guest.
+    """
 
     users: Sequence[int]
     groups: Sequence[int]
@@ -32,10 +34,16 @@ class Identity:
         """Return why polhode must not grade with this guest, and what to do, or an empty string if it may."""
         if self.capabilities:
             held = ", ".join(map(str, self.capabilities))
-            return f"the sandbox is not secure: the guest kept the capabilities {held}. Report this as a defect of polhode"
+            return (
+                f"the sandbox is not secure: the guest kept the capabilities {held}. Report this as a defect"
+                " of polhode"
+            )
         if self.is_root and not isolation.allow_root:
             why = isolation.stays_root or "it did not change its user"
-            return f"the sandbox is not secure: submissions would run as root, because {why}. Do one of these: {REMEDIES}"
+            return (
+                f"the sandbox is not secure: submissions would run as root, because {why}. Do one of these:"
+                f" {REMEDIES}"
+            )
         return ""
 
     def __str__(self) -> str:

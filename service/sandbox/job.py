@@ -21,7 +21,8 @@ SHORT = 20  # numbers that are sent as digits
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell of a submission. ``name`` is its file name in tracebacks, ``id`` its id in the notebook, if it has one.
+    """One cell of a submission. ``name`` is its file name in tracebacks, ``id`` its id in the notebook, if it
+    has one.
 
     A ``published`` cell is the course's own: its claims are sent with their place in its source.
     """
@@ -36,10 +37,10 @@ class Cell:
 class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
-    A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far: the host calls
-    ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these named arrays and returns its arrays.
-    ``question`` is that of the scene, if it has one (ecp.kinds). With ``source`` the scene runs that source, after the setup, in
-    place of the submission.
+    A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far:
+    the host calls ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these
+    named arrays and returns its arrays. ``question`` is that of the scene, if it has one (ecp.kinds). With
+    ``source`` the scene runs that source, after the setup, in place of the submission.
     """
 
     name: str
@@ -57,7 +58,8 @@ class SceneRequest:
 
 @dataclass(frozen=True)
 class ReferenceFunctions:
-    """Functions ``names`` that ``source``, run after the setup, defines, in place of those of the submission with the same names.
+    """Functions ``names`` that ``source``, run after the setup, defines, in place of those of the submission
+    with the same names.
 
     The source is right solutions, so another process holds it than the one that runs the submission.
     """
@@ -68,7 +70,9 @@ class ReferenceFunctions:
 
 @dataclass(frozen=True)
 class Kept:
-    """A part of jobs that is the same for many submissions. A guest can keep it, and then reads its ``name`` instead."""
+    """A part of jobs that is the same for many submissions. A guest can keep it, and then reads its ``name``
+    instead.
+    """
 
     name: str
     value: Any = field(compare=False)
@@ -89,8 +93,9 @@ class Job:
 
     ``functions`` are the names asked for; those among them that are ``variables`` need not be callable.
     ``data`` are the files that the code can read, by their names relative to its working folder.
-    ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a published one.
-    With ``needed_cells`` only the cells run on which the functions of the scenes depend, as far as their names show.
+    ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a
+    published one. With ``needed_cells`` only the cells run on which the functions of the scenes depend, as
+    far as their names show.
     """
 
     setup: str
@@ -111,18 +116,32 @@ class Job:
     @property
     def kept(self) -> list[Kept]:
         """The parts that a guest can keep."""
-        return [*self.code, *(value for s in self.scenes for value in s.inputs.values() if isinstance(value, Kept))]
+        return [
+            *self.code,
+            *(value for s in self.scenes for value in s.inputs.values() if isinstance(value, Kept)),
+        ]
 
     @property
     def code(self) -> tuple[Kept, Kept]:
         """The setup and the plays."""
-        setup = "" if any(cell.published for cell in self.cells) else self.setup  # it is one of the published cells
+        setup = (
+            "" if any(cell.published for cell in self.cells) else self.setup
+        )  # it is one of the published cells
         return _compiled(setup, FILES["setup"]), _compiled(self.plays, FILES["plays"])
 
     def encode(self, *, kept: bool = False) -> bytes:
-        """Return the job as the guest reads it: a length and JSON. With ``kept`` it names the parts that the guest keeps."""
+        """Return the job as the guest reads it: a length and JSON. With ``kept`` it names the parts that the
+        guest keeps.
+        """
         scenes = [
-            {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
+            {
+                "name": s.name,
+                "play": s.play,
+                "function": s.function,
+                "inputs": s.inputs,
+                "budget_s": s.budget_s,
+                "after": s.after,
+            }
             | {
                 "asked": s.drive is not None,
                 "question": s.question,
@@ -154,7 +173,9 @@ class Job:
 
 @functools.lru_cache(maxsize=64)
 def _compiled(source: str, name: str) -> Kept:
-    """Return a source and its code as text, empty if the source is invalid: the guest, the same interpreter, then reports that."""
+    """Return a source and its code as text, empty if the source is invalid: the guest, the same interpreter,
+    then reports that.
+    """
     try:
         code = base64.b64encode(marshal.dumps(compile(source, name, "exec"))).decode()
     except (SyntaxError, ValueError):

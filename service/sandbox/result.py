@@ -31,7 +31,16 @@ CODES = {Ended.TIMED_OUT: "timeout", Ended.MEMORY: "memory"}  # diagnosis codes 
 
 # Diagnosis codes that a guest may report; the host determines all others.
 GUEST_CODES = frozenset(
-    ["missing-function", "timeout", "memory", "syntax-error", "raises", "returns-nothing", "wrong-shape", "mutates-input"]
+    [
+        "missing-function",
+        "timeout",
+        "memory",
+        "syntax-error",
+        "raises",
+        "returns-nothing",
+        "wrong-shape",
+        "mutates-input",
+    ]
     + ["not-finite", "unbounded", "no-animation", "too-many-frames", "signature", "swapped-arguments"]
 )
 
@@ -40,10 +49,11 @@ GUEST_CODES = frozenset(
 class PlayResult:
     """The result of one play.
 
-    ``defined`` are the requested functions that the submission defines, ``arrays`` the results by scene and name, ``scene_ends``
-    those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes that the host drove. ``author_errors`` are
-    exceptions, by scene, that the guest attributes to the assignment's code; a submission can forge them. ``claims`` are the
-    notebook's own checks; ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells, by cell
+    ``defined`` are the requested functions that the submission defines, ``arrays`` the results by scene and
+    name, ``scene_ends`` those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes
+    that the host drove. ``author_errors`` are exceptions, by scene, that the guest attributes to the
+    assignment's code; a submission can forge them. ``claims`` are the notebook's own checks;
+    ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells, by cell
     and place. ``cpu_s`` is the CPU time that was used.
     """
 

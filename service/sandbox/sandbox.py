@@ -1,4 +1,6 @@
-"""A sandbox: one warm guest that plays jobs, replaced after many plays, after an abnormal one, and when it is lost."""
+"""A sandbox: one warm guest that plays jobs, replaced after many plays, after an abnormal one, and when it is
+lost.
+"""
 
 import logging
 import threading
@@ -23,8 +25,8 @@ TRIES = 2
 class Sandbox:
     """A sandbox with one warm guest at the given ``isolation``. ``limits`` are those of one grading.
 
-    Its first guest is the process ``first``, if there is one. ``small`` guests have neither SciPy nor matplotlib: ``play`` then
-    raises LibraryNeeded if a submission uses one.
+    Its first guest is the process ``first``, if there is one. ``small`` guests have neither SciPy nor
+    matplotlib: ``play`` then raises LibraryNeeded if a submission uses one.
     """
 
     def __init__(
@@ -41,10 +43,13 @@ class Sandbox:
         self.zygotes = 0  # started so far
         self.self_tested = False
         self.identity: Identity | None = None  # what the guest of the self-test reported
-        self.keeps = False  # whether a guest gets what jobs have in common only once, and forks the next child when asked to
+        # whether a guest gets what jobs have in common only once, and forks the next child when asked to
+        self.keeps = False
         self._turn = threading.Lock()
         self.beside: Executor | None = None  # for a play beside another one, if there are guests for both
-        self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
+        self.cancelled = (
+            threading.Event()
+        )  # another thread sets it to end the current play; the guest stays warm
 
     def start(self) -> Zygote:
         """Return the guest, started now unless there is one. It may not be warm yet."""
@@ -52,7 +57,10 @@ class Sandbox:
             self._plays = 0
             self.zygotes += 1
             command, environment = self.isolation.command, self.isolation.environment
-            process, self._first = self._first or GuestProcess(command, environment, libraries=not self._small), None
+            process, self._first = (
+                self._first or GuestProcess(command, environment, libraries=not self._small),
+                None,
+            )
             self._zygote = Zygote(process, self.cancelled, keeps=self.keeps)
         return self._zygote
 
@@ -62,8 +70,8 @@ class Sandbox:
         return max(0, self.zygotes - 1)
 
     def copy(self) -> "Sandbox":
-        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. What the self-test has shown of this one is true
-        of the copy.
+        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. What the self-test has shown
+        of this one is true of the copy.
         """
         other = type(self)(self.isolation, self.limits)
         other.self_tested, other.identity = self.self_tested, self.identity
@@ -77,12 +85,15 @@ class Sandbox:
     def self_test(self) -> None:
         """Run the self-test.
 
-        Raises SystemFault if the sandbox cannot start, if its guest has privileges, or if a forbidden operation succeeds.
+        Raises SystemFault if the sandbox cannot start, if its guest has privileges, or if a forbidden
+        operation succeeds.
         """
         self.identity = self.wait_ready()
         result = self.play(self_test_job())
         if result.stdout:
-            raise SystemFault(f"the sandbox is not secure: a submission could {', '.join(result.stdout.splitlines())}")
+            raise SystemFault(
+                f"the sandbox is not secure: a submission could {', '.join(result.stdout.splitlines())}"
+            )
         (scene_end,) = result.scene_ends.values()
         if scene_end.ended is not Ended.MISSING:
             raise SystemFault(f"the sandbox self-test did not finish: it ended as {scene_end.ended}")
@@ -93,18 +104,20 @@ class Sandbox:
         self.self_tested = True
 
     def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:
-        """Play every scene of ``job`` within ``budget`` (default: a new one), after the play of another thread. Calls ``on_scene``
-        when a scene begins.
+        """Play every scene of ``job`` within ``budget`` (default: a new one), after the play of another
+        thread. Calls ``on_scene`` when a scene begins.
 
-        A scene that crashes or stalls its process does not affect the others, until the budget is exceeded: the scenes that are
-        left have then timed out. Raises SystemFault if the sandbox fails or the machine is too busy, and Cancelled if
-        ``cancelled`` is set.
+        A scene that crashes or stalls its process does not affect the others, until the budget is exceeded:
+        the scenes that are left have then timed out. Raises SystemFault if the sandbox fails or the machine
+        is too busy, and Cancelled if ``cancelled`` is set.
         """
         with self._turn:
             return self._play(job, on_scene, budget or TimeBudget(self.limits))
 
     def start_child(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next, before its inputs are known. Do nothing while another thread plays."""
+        """Start the child that plays ``job`` next, before its inputs are known. Do nothing while another
+        thread plays.
+        """
         self._unless_playing(lambda: self.start().start_child(job, budget))
 
     def end_unused_child(self) -> None:
@@ -118,7 +131,9 @@ class Sandbox:
             self._unless_playing(self._zygote.fork_next_child)
 
     def _unless_playing(self, action: Callable[[], None]) -> None:
-        """Call ``action`` if no other thread plays. If it fails, end the guest: a play then starts another one."""
+        """Call ``action`` if no other thread plays. If it fails, end the guest: a play then starts another
+        one.
+        """
         if not self._turn.acquire(blocking=False):
             return
         try:
@@ -140,7 +155,10 @@ class Sandbox:
                     raise _too_busy(budget)
                 for scene in left.scenes:
                     result.scene_ends[scene.name] = SceneEnd(
-                        scene=scene.name, ended=Ended.TIMED_OUT, sentence=sentence, code=CODES[Ended.TIMED_OUT]
+                        scene=scene.name,
+                        ended=Ended.TIMED_OUT,
+                        sentence=sentence,
+                        code=CODES[Ended.TIMED_OUT],
                     )
                 break
             before = len(result.scene_ends)
@@ -148,7 +166,9 @@ class Sandbox:
             if len(result.scene_ends) == before:
                 break
             self._skip_followers(job, result)
-        result.scene_ends = {s.name: result.scene_ends[s.name] for s in job.scenes if s.name in result.scene_ends}
+        result.scene_ends = {
+            s.name: result.scene_ends[s.name] for s in job.scenes if s.name in result.scene_ends
+        }
         return result
 
     def _play_once(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: OnScene) -> None:
@@ -176,9 +196,11 @@ class Sandbox:
                 raise _too_busy(budget)
             return
 
-    def _play_with_libraries(self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: OnScene) -> tuple[PlayResult, bool]:
-        """Play once, or again with each library that the submission turns out to need. Return the last play's result, and whether
-        the zygote is reusable.
+    def _play_with_libraries(
+        self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: OnScene
+    ) -> tuple[PlayResult, bool]:
+        """Play once, or again with each library that the submission turns out to need. Return the last play's
+        result, and whether the zygote is reusable.
 
         What a zygote that was lost or lacked a library has sent is discarded.
         """
@@ -201,13 +223,21 @@ class Sandbox:
 
     def _skip_followers(self, job: Job, result: PlayResult) -> None:
         for scene in job.scenes:
-            if scene.name not in result.scene_ends and scene.after in result.scene_ends and not result.finished(scene.after):
+            if (
+                scene.name not in result.scene_ends
+                and scene.after in result.scene_ends
+                and not result.finished(scene.after)
+            ):
                 sentence = f"not run: it needs the scene {scene.after}, which did not finish"
-                result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)
+                result.scene_ends[scene.name] = SceneEnd(
+                    scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence
+                )
 
 
 def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget) -> bool:
-    """Return whether the process reached a limit of elapsed time because other programs used the processors."""
+    """Return whether the process reached a limit of elapsed time because other programs used the
+    processors.
+    """
     budgets = [scene.budget_s for scene in job.scenes if _timed_out(played.scene_ends.get(scene.name))]
     budgets += [job.load_budget_s for cell_end in played.cells.values() if _timed_out(cell_end)]
     in_scene = budget.starved and budget.cpu_left() > 0 and played.cpu_s < max(budgets, default=0.0)
@@ -216,8 +246,8 @@ def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget) -> bool:
 
 def _too_busy(budget: TimeBudget) -> SystemFault:
     return SystemFault(
-        f"this machine was too busy: of {budget.running_s:.0f} s, the submission waited {budget.waited_s:.0f} s for a "
-        "processor; run fewer other programs on it, or fewer workers"
+        f"this machine was too busy: of {budget.running_s:.0f} s, the submission waited {budget.waited_s:.0f}"
+        " s for a processor; run fewer other programs on it, or fewer workers"
     )
 
 

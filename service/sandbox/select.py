@@ -1,4 +1,6 @@
-"""Selection of the isolation level: the strongest one that this machine supports, and never a weaker one than required."""
+"""Selection of the isolation level: the strongest one that this machine supports, and never a weaker one than
+required.
+"""
 
 import os
 import platform
@@ -16,26 +18,34 @@ class IsolationUnavailable(Exception):
 
 
 def choose(least: Level = "process", allow_root: bool = False) -> Isolation:
-    """Return the strongest isolation that this machine supports; its guest may stay root only with ``allow_root``.
+    """Return the strongest isolation that this machine supports; its guest may stay root only with
+    ``allow_root``.
 
     Raises IsolationUnavailable if the level is below ``least``.
     """
     if platform.machine() not in MACHINES:
         raise IsolationUnavailable(
-            f"polhode has no system call filter for this processor ({platform.machine()}); supported: {', '.join(MACHINES)}"
+            f"polhode has no system call filter for this processor ({platform.machine()}); supported:"
+            f" {', '.join(MACHINES)}"
         )
     if landlock.version() < 1:
-        raise IsolationUnavailable("this kernel has no Landlock; use Linux 5.13 or later and name landlock in the boot option lsm=")
+        raise IsolationUnavailable(
+            "this kernel has no Landlock; use Linux 5.13 or later and name landlock in the boot option lsm="
+        )
     isolation, reason = try_namespaces(allow_root)
     if isolation is not None:
         return isolation
     if least == "namespaces":
-        raise IsolationUnavailable(f"POLHODE_MIN_ISOLATION is namespaces, but namespaces are not available: {reason}")
+        raise IsolationUnavailable(
+            f"POLHODE_MIN_ISOLATION is namespaces, but namespaces are not available: {reason}"
+        )
     return process_isolation(allow_root=allow_root)
 
 
 def with_packages(isolation: Isolation, more: Collection[str]) -> Isolation:
-    """Return ``isolation`` for a guest that can also import those of the distributions ``more`` that are installed."""
+    """Return ``isolation`` for a guest that can also import those of the distributions ``more`` that are
+    installed.
+    """
     if not more:
         return isolation
     if isolation.level == "process":
@@ -44,14 +54,16 @@ def with_packages(isolation: Isolation, more: Collection[str]) -> Isolation:
 
 
 def prepare_namespaces(allow_root: bool = False) -> Isolation | None:
-    """Return the isolation in namespaces, which this machine may not support, or None if bubblewrap is not installed."""
+    """Return the isolation in namespaces, which this machine may not support, or None if bubblewrap is not
+    installed.
+    """
     program = find_bubblewrap()
     return None if program is None else namespace_isolation(program, allow_root=allow_root)
 
 
 def try_namespaces(allow_root: bool = False) -> tuple[Isolation | None, str]:
-    """Start a process in the namespaces of ``prepare_namespaces``. Return their isolation and "", or None and the reason for the
-    failure.
+    """Start a process in the namespaces of ``prepare_namespaces``. Return their isolation and "", or None and
+    the reason for the failure.
     """
     isolation = prepare_namespaces(allow_root)
     if isolation is None:
@@ -60,10 +72,13 @@ def try_namespaces(allow_root: bool = False) -> tuple[Isolation | None, str]:
     try:
         tried = subprocess.run(
             [*isolation.around, isolation.inside[0], "-I", "-S", "-c", statement],
-            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(isolation.environment), cwd="/",
+            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(isolation.environment),
+                cwd="/",
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         return None, str(error)
     return (
-        (isolation, "") if tried.returncode == 0 else (None, tried.stderr.strip() or f"bwrap exited with code {tried.returncode}")
+        (isolation, "")
+        if tried.returncode == 0
+        else (None, tried.stderr.strip() or f"bwrap exited with code {tried.returncode}")
     )

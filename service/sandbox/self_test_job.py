@@ -1,4 +1,5 @@
-"""The self-test: a submission that tries forbidden operations. A worker grades nothing until all of them have failed.
+"""The self-test: a submission that tries forbidden operations. A worker grades nothing until all of them have
+failed.
 
 In a defective sandbox the operations succeed on the server's machine, so none of them does harm.
 """
@@ -38,6 +39,8 @@ for label, operation in {FORBIDDEN!r}.items():
 
 
 def self_test_job() -> Job:
-    """Return a job that prints a line for each operation that succeeded. Its only scene calls a function that is not defined."""
+    """Return a job that prints a line for each operation that succeeded. Its only scene calls a function that
+    is not defined.
+    """
     scene = SceneRequest("self-test", "nothing", "nothing", {}, {}, 5.0, None)
     return Job("", "", (Cell("self-test", SOURCE),), ("nothing",), (scene,))

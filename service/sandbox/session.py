@@ -1,4 +1,6 @@
-"""The host's side of one play: write the job, read results and output, and stop when a time or size limit is exceeded."""
+"""The host's side of one play: write the job, read results and output, and stop when a time or size limit is
+exceeded.
+"""
 
 import contextlib
 import os
@@ -33,7 +35,9 @@ POLL_S = 0.2  # interval at which a cancellation is noticed
 
 
 class ChildExit(NamedTuple):
-    """The wait ``status`` of a child, that of the child with its ``reference`` functions, and the seconds of CPU time of both."""
+    """The wait ``status`` of a child, that of the child with its ``reference`` functions, and the seconds of
+    CPU time of both.
+    """
 
     status: int
     reference: int
@@ -53,17 +57,20 @@ class ChildExit(NamedTuple):
 
 
 class NoAnswer(BaseException):
-    """The child will not answer a question because the scene has ended. Not an Exception, so that a driver does not catch it."""
+    """The child will not answer a question because the scene has ended. Not an Exception, so that a driver
+    does not catch it.
+    """
 
 
 @dataclass
 class PlaySession:
     """One play of ``job``, of which a part is ``unsent``, within the ``budget`` of the grading.
 
-    ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes, unbuffered, are
-    ``questions``, which begin with the job and do not block, ``answers``, which are frames, and ``printed``.
-    ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is known, and ``waited``
-    the time that it had no processor. Another thread may set ``cancelled`` to end the play.
+    ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes,
+    unbuffered, are ``questions``, which begin with the job and do not block, ``answers``, which are frames,
+    and ``printed``. ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the
+    child's exit once it is known, and ``waited`` the time that it had no processor. Another thread may set
+    ``cancelled`` to end the play.
     """
 
     job: Job
@@ -84,7 +91,8 @@ class PlaySession:
     _printed: int = 0
 
     def run(self) -> None:
-        """Exchange data until the play is complete, the child has exited and both pipes are empty, or a limit is exceeded.
+        """Exchange data until the play is complete, the child has exited and both pipes are empty, or a limit
+        is exceeded.
 
         Raises OSError if the zygote has ended.
         """
@@ -112,12 +120,18 @@ class PlaySession:
 
     @property
     def complete(self) -> bool:
-        """Whether the child has sent its last frame and closed its pipes. It only has to exit, which takes the kernel a while."""
-        return self.reader.done and not self._open_pipes and self.stopped is None and self.job.reference is None
+        """Whether the child has sent its last frame and closed its pipes. It only has to exit, which takes
+        the kernel a while.
+        """
+        return (
+            self.reader.done and not self._open_pipes and self.stopped is None and self.job.reference is None
+        )
 
     def _step(self) -> None:
         """Wait until an end is ready, and read from it or write to it."""
-        ready = self._selector.select(min(POLL_S, self._deadline.left(self.reader.started), self.budget.wall_left()))
+        ready = self._selector.select(
+            min(POLL_S, self._deadline.left(self.reader.started), self.budget.wall_left())
+        )
         if not ready:
             self.waited.update()
         if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
@@ -146,7 +160,9 @@ class PlaySession:
         return self.reader.answers.popleft()
 
     def _send(self, data: bytes, scene: str | None) -> None:
-        """Write to the child that plays ``scene``. An answer before the whole question is written violates the protocol."""
+        """Write to the child that plays ``scene``. An answer before the whole question is written violates
+        the protocol.
+        """
         try:
             self.unsent = memoryview(data)[self.questions.write(data) or 0 :]
         except BrokenPipeError:
@@ -176,14 +192,17 @@ class PlaySession:
             self.questions.close()
 
     def record_end(self, result: PlayResult) -> None:
-        """Record the scene end that follows from the child's exit, for the scene in progress or else for all scenes that are left.
+        """Record the scene end that follows from the child's exit, for the scene in progress or else for all
+        scenes that are left.
 
         Raises SystemFault if the child ended before it ran any code of the submission.
         """
         cut_short = self.stopped is Ended.TIMED_OUT and self._is_repeated  # earlier children used up the time
         if not self.reader.prepared and not cut_short:
             if self.reader.not_prepared:
-                raise NotPrepared(f"its own code failed before the submission ran: {self.reader.not_prepared}")
+                raise NotPrepared(
+                    f"its own code failed before the submission ran: {self.reader.not_prepared}"
+                )
             words = text(self.output.decode(errors="replace")[-500:])
             raise SystemFault(f"the sandbox failed before the submission ran: {words or self.ended}")
         scene_end = self.stopped or self._by_status()
@@ -201,7 +220,10 @@ class PlaySession:
         for scene in lost:
             result.arrays.pop(scene, None)
             result.scene_ends[scene] = SceneEnd(
-                scene=scene, ended=scene_end, sentence=sentence or SENTENCES[scene_end], code=CODES.get(scene_end)
+                scene=scene,
+                ended=scene_end,
+                sentence=sentence or SENTENCES[scene_end],
+                code=CODES.get(scene_end),
             )
 
     def _read_from(self, end: Any) -> bool:
@@ -244,13 +266,17 @@ class PlaySession:
 
 
 class _Deadline:
-    """How long the host waits for a guest: the guest's wall-clock limits plus a grace period, and at most their sum."""
+    """How long the host waits for a guest: the guest's wall-clock limits plus a grace period, and at most
+    their sum.
+    """
 
     def __init__(self, job: Job) -> None:
         self._budgets = {s.name: CLOCK_FACTOR * s.budget_s for s in job.scenes}
         self._load_s = LOAD_FACTOR * CLOCK_FACTOR * job.load_budget_s
         self._since = time.monotonic()
-        self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + self._load_s
+        self._last = (
+            self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + self._load_s
+        )
         self._scene: str | None = None
 
     def left(self, scene: str | None) -> float:

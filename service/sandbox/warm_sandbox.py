@@ -1,4 +1,6 @@
-"""The sandbox of a worker: besides a guest with all libraries it has small guests, whose children cost less."""
+"""The sandbox of a worker: besides a guest with all libraries it has small guests,
+whose children cost less.
+"""
 
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
@@ -16,13 +18,16 @@ SMALL_GUESTS = 2  # so that a second child plays beside the first one, or while 
 class WarmSandbox(Sandbox):
     """A sandbox with two small guests without SciPy and matplotlib besides the one that has them.
 
-    Successive plays alternate between the small guests, so two plays can run at the same time. A child of a small guest copies and
-    frees a quarter of the memory. The guest with the libraries plays submissions that use one, and scenes that draw.
+    Successive plays alternate between the small guests, so two plays can run at the same time. A child of a
+    small guest copies and frees a quarter of the memory. The guest with the libraries plays submissions that
+    use one, and scenes that draw.
     """
 
     def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
         super().__init__(isolation, limits)
-        self.beside = ThreadPoolExecutor(1)  # a thread that stays: a guest ends with the thread that started it
+        self.beside = ThreadPoolExecutor(
+            1
+        )  # a thread that stays: a guest ends with the thread that started it
         self._guests = [Sandbox(isolation, limits, small=True) for _ in range(SMALL_GUESTS)]
         self.keeps = True
         for guest in self._guests:
@@ -45,7 +50,9 @@ class WarmSandbox(Sandbox):
         self.fork_next_child()
 
     def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:
-        """Play every scene of ``job`` in the next small guest, or in the one with the libraries. See ``Sandbox.play``."""
+        """Play every scene of ``job`` in the next small guest, or in the one with the libraries. See
+        ``Sandbox.play``.
+        """
         budget = budget or TimeBudget(self.limits)
         if self._is_small(job):
             guest = self._guests.pop(0)
@@ -57,7 +64,9 @@ class WarmSandbox(Sandbox):
         return super().play(job, on_scene, budget)
 
     def start_child(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next in the guest whose turn it is. See ``Sandbox.start_child``."""
+        """Start the child that plays ``job`` next in the guest whose turn it is.
+        See ``Sandbox.start_child``.
+        """
         if self._is_small(job):
             self._guests[0].start_child(job, budget)
         else:
@@ -76,7 +85,9 @@ class WarmSandbox(Sandbox):
         super().fork_next_child()
 
     def _is_small(self, job: Job) -> bool:
-        """Return whether a small guest is tried for a job: it does not draw, and its cells are not known to use a library."""
+        """Return whether a small guest is tried for a job: it does not draw, and its cells are not known to
+        use a library.
+        """
         draws = any(spec.dtype == "uint8" for scene in job.scenes for spec in scene.returns.values())
         return not draws and job.cells not in self._with_library and self.self_tested
 

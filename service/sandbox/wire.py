@@ -1,9 +1,10 @@
 """Reading and validating the frames of a guest, which are untrusted bytes.
 
-A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` are all
-arrays of the scene in progress, or of the answer to one question of it: header length (2 bytes), JSON header of shapes by name,
-then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host knows which arrays a scene
-returns, their element type and largest shape, and its own questions; anything else violates the protocol.
+A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event.
+Kind ``A`` are all arrays of the scene in progress, or of the answer to one question of it: header length (2
+bytes), JSON header of shapes by name, then raw little-endian numbers. Kind ``C`` is a claim of the notebook's
+own checks (claims.py). The host knows which arrays a scene returns, their element type and largest shape, and
+its own questions; anything else violates the protocol.
 """
 
 import functools
@@ -39,10 +40,12 @@ class ProtocolError(Exception):
 
 
 class Reader:
-    """Reader of one play's byte stream, which it turns into ``result``. Calls ``on_scene`` with the name of each scene that begins.
+    """Reader of one play's byte stream, which it turns into ``result``. Calls ``on_scene`` with the name of
+    each scene that begins.
 
-    ``started`` is the scene in progress. ``prepared`` is True once the child has applied its layers and loaded the assignment's
-    code; only then does it run the submission. ``not_prepared`` says why that code failed. ``done`` is True after its last frame.
+    ``started`` is the scene in progress. ``prepared`` is True once the child has applied its layers and
+    loaded the assignment's code; only then does it run the submission. ``not_prepared`` says why that code
+    failed. ``done`` is True after its last frame.
     """
 
     def __init__(self, job: Job, result: PlayResult, on_scene: OnScene = ignore) -> None:
@@ -52,12 +55,20 @@ class Reader:
         self.not_prepared = ""
         self._scenes = {s.name: s for s in job.scenes}
         self._functions, self._cells = set(job.functions), {c.name for c in job.cells}
-        sizes = [sum(math.prod(a.shape) * DTYPES[a.dtype].itemsize for a in s.returns.values()) for s in job.scenes]
+        sizes = [
+            sum(math.prod(a.shape) * DTYPES[a.dtype].itemsize for a in s.returns.values()) for s in job.scenes
+        ]
         self._longest = MOST_JSON + max(sizes, default=0)
         self._buffer = bytearray()
         self._names_known = False
-        self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()  # a scene without a driver is one question
-        self._claims, self._numbers = {False: 0, True: 0}, 0  # of the submission's own cells and of published ones
+        self.open_questions, self.answers = (
+            0,
+            deque[dict[str, NDArray[Any]]](),
+        )  # a scene without a driver is one question
+        self._claims, self._numbers = (
+            {False: 0, True: 0},
+            0,
+        )  # of the submission's own cells and of published ones
 
     def feed(self, data: bytes) -> None:
         """Read more bytes. Raises ProtocolError as soon as they are invalid."""
@@ -145,7 +156,10 @@ class Reader:
         places, size = _layout(header, tuple(scene.returns.items()))
         if len(payload) != size:
             raise ProtocolError("an answer of another length than its shapes")
-        arrays = {name: np.frombuffer(payload, dtype, count, at).reshape(shape) for name, dtype, shape, count, at in places}
+        arrays = {
+            name: np.frombuffer(payload, dtype, count, at).reshape(shape)
+            for name, dtype, shape, count, at in places
+        }
         if scene.drive:
             self.answers.append(arrays)
         else:
@@ -162,7 +176,11 @@ class Reader:
             raise ProtocolError("not a claim") from None
         self._claims[place is not None] += 1
         self._numbers += sum(array.nbytes // 8 for array in claim.arrays.values())
-        if self._claims[False] > MOST_CLAIMS or self._claims[True] > MOST_REPORTED + MOST_CUT or self._numbers > 2 * MOST_IN_ALL:
+        if (
+            self._claims[False] > MOST_CLAIMS
+            or self._claims[True] > MOST_REPORTED + MOST_CUT
+            or self._numbers > 2 * MOST_IN_ALL
+        ):
             raise ProtocolError("too many claims")
         if place is None:
             self.result.claims.append(claim.outcome(cell))
@@ -206,9 +224,17 @@ def _scene_end(name: str, event: Mapping[str, Any]) -> SceneEnd:
 
 
 def _shape(shape: Any, spec: ArraySpec) -> tuple[int, ...]:
-    if not isinstance(shape, list) or len(shape) != len(spec.shape) or not all(type(n) is int and n >= 0 for n in shape):
+    if (
+        not isinstance(shape, list)
+        or len(shape) != len(spec.shape)
+        or not all(type(n) is int and n >= 0 for n in shape)
+    ):
         raise ProtocolError("not a shape")
-    within = spec.up_to and shape[-1] == spec.shape[-1] and all(1 <= n <= most for n, most in zip(shape, spec.shape, strict=True))
+    within = (
+        spec.up_to
+        and shape[-1] == spec.shape[-1]
+        and all(1 <= n <= most for n, most in zip(shape, spec.shape, strict=True))
+    )
     if not within and tuple(shape) != spec.shape:
         raise ProtocolError("an array of another shape than asked for")
     return tuple(shape)

@@ -17,7 +17,18 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import FORK, IMPORT, KEEP, KINDS_MODULE, LOAD, LOAD_S, NEEDED, PLAY, READY, REAPED
+from service.sandbox.guest.zygote import (
+    FORK,
+    IMPORT,
+    KEEP,
+    KINDS_MODULE,
+    LOAD,
+    LOAD_S,
+    NEEDED,
+    PLAY,
+    READY,
+    REAPED,
+)
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job, Kept
@@ -38,7 +49,9 @@ class ZygoteLost(Exception):
 
 
 class LibraryNeeded(Exception):
-    """The submission uses a ``library`` that the zygote has not imported. The play may be tried again when it has."""
+    """The submission uses a ``library`` that the zygote has not imported. The play may be tried again when it
+    has.
+    """
 
     def __init__(self, library: str) -> None:
         super().__init__(library)
@@ -46,7 +59,9 @@ class LibraryNeeded(Exception):
 
 
 class _Child:
-    """A child that the zygote was asked to start, its ``limit`` of CPU time in seconds, and the host's ends of its pipes."""
+    """A child that the zygote was asked to start, its ``limit`` of CPU time in seconds, and the host's ends
+    of its pipes.
+    """
 
     def __init__(self, limit: int) -> None:
         (job, questions), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
@@ -60,8 +75,9 @@ class _Child:
 
 
 class Zygote:
-    """A zygote in the process ``started``. Children can read its folder, which holds the job's data files during a play.
-    If it ``keeps`` parts of jobs, it gets each of them once, and forks its next child only on ``fork_next_child``.
+    """A zygote in the process ``started``. Children can read its folder, which holds the job's data files
+    during a play. If it ``keeps`` parts of jobs, it gets each of them once, and forks its next child only on
+    ``fork_next_child``.
 
     Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
@@ -76,7 +92,8 @@ class Zygote:
         self._started_child: _Child | None = None  # a child that waits for its job
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
-        """Return a copy, which ends with this one. All share one folder of data files, so only one of them may play with any.
+        """Return a copy, which ends with this one. All share one folder of data files, so only one of them
+        may play with any.
 
         It needs no import, so it is ready soon after this one.
         """
@@ -89,7 +106,9 @@ class Zygote:
         return other
 
     def wait_ready(self) -> Identity:
-        """Return the guest's identity when it has imported everything. Raises SystemFault with its output if it cannot start."""
+        """Return the guest's identity when it has imported everything. Raises SystemFault with its output if
+        it cannot start.
+        """
         if self._identity is None:
             if not (message := self._message()).startswith(READY):
                 self._started.log.seek(0)
@@ -105,7 +124,9 @@ class Zygote:
         self.imported |= {library}
 
     def _message(self) -> bytes:
-        """Return what the zygote sends after its imports, b"" if it ends or freezes. Waiting for a processor is not freezing."""
+        """Return what the zygote sends after its imports, b"" if it ends or freezes. Waiting for a processor
+        is not freezing.
+        """
         self._control.settimeout(START_S)
         waited = 0.0
         for _ in range(MOST_STARTS):
@@ -120,10 +141,11 @@ class Zygote:
         return b""
 
     def play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: OnScene = ignore) -> bool:
-        """Play ``job`` in one child within ``budget`` and add to ``result``. Calls ``on_scene`` with the name of each that begins.
+        """Play ``job`` in one child within ``budget`` and add to ``result``. Calls ``on_scene`` with the name
+        of each that begins.
 
-        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, LibraryNeeded, or
-        ZygoteLost if the zygote does not answer: kill it, and try again with another.
+        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled,
+        LibraryNeeded, or ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
         if self._started_child is not None and not self._can_play(self._started_child, job, budget):
@@ -150,8 +172,12 @@ class Zygote:
             self._started_child = self._start(job, budget)
 
     def _can_play(self, child: _Child, job: Job, budget: TimeBudget) -> bool:
-        """Return whether the child that has started has the job's code and the limit of CPU time of the budget."""
-        loaded = not self._keeps or (self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code])
+        """Return whether the child that has started has the job's code and the limit of CPU time of the
+        budget.
+        """
+        loaded = not self._keeps or (
+            self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code]
+        )
         return loaded and child.limit == _limit(budget) and not (job.data or job.reference)
 
     def end_unused_child(self) -> None:
@@ -177,7 +203,9 @@ class Zygote:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
 
     def _keep(self, job: Job) -> None:
-        """Let the zygote keep parts of the job, and load its code in children before their jobs, unless it may read data files."""
+        """Let the zygote keep parts of the job, and load its code in children before their jobs, unless it
+        may read data files.
+        """
         for kept in set(job.kept) - self._kept:
             fd = _file(kept.encode())
             try:
@@ -222,7 +250,16 @@ class Zygote:
         pidfds = self._pidfds(1 if job.reference is None else 2)
         began, waited = time.monotonic(), ProcessorWait(*pidfds)
         session = PlaySession(
-            job, unsent, budget, reader, self._control, child.questions, child.answers, child.printed, waited, self._cancelled
+            job,
+            unsent,
+            budget,
+            reader,
+            self._control,
+            child.questions,
+            child.answers,
+            child.printed,
+            waited,
+            self._cancelled,
         )
         try:
             session.run()
@@ -237,7 +274,9 @@ class Zygote:
             session.ended = self._read_exit()
         codes = session.ended.codes if session.ended else ()
         if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in codes]:
-            budget.extend(time.monotonic() - began)  # this guest lacks the library: its time is not the submission's
+            budget.extend(
+                time.monotonic() - began
+            )  # this guest lacks the library: its time is not the submission's
             raise LibraryNeeded(needed[0])
         reader.result.cpu_s = session.ended.cpu_s if session.ended else waited.cpu_s
         budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)
@@ -274,7 +313,9 @@ class Zygote:
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def _pidfds(self, count: int) -> list[int]:
-        """Return the pidfd of the child that was started, and with ``count`` 2 that of the one with its reference functions."""
+        """Return the pidfd of the child that was started, and with ``count`` 2 that of the one with its
+        reference functions.
+        """
         self._control.settimeout(ANSWER_S + (LOAD_S if self._loads else 0.0))
         try:
             word, pidfds, _, _ = socket.recv_fds(self._control, 16, 2)
@@ -286,7 +327,8 @@ class Zygote:
         return pidfds
 
     def kill(self) -> None:
-        """Kill the zygote and its children, and wait until it has exited, for at most 10 s: what it has sent is valid in any case.
+        """Kill the zygote and its children, and wait until it has exited, for at most 10 s: what it has sent
+        is valid in any case.
 
         A copy ends when its socket is shut down. A child without a job exits when its pipes are closed.
         """

@@ -1,4 +1,6 @@
-"""Store and find artefacts of gradings: arrays, figures, contact sheets and sweeps. Equal content is stored once."""
+"""Store and find artefacts of gradings: arrays, figures, contact sheets and sweeps. Equal content is stored
+once.
+"""
 
 from collections.abc import Mapping
 from hashlib import sha256
@@ -15,21 +17,28 @@ WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
 
 # The arrays of a grading if its own are still stored.
 _ARRAYS = f"""
-SELECT a.content FROM grading_artefact own JOIN grading_artefact k USING (grading_id) JOIN artefact a ON a.sha256 = k.sha256
-WHERE own.grading_id = :grading AND own.name = 'arrays.npz' AND (k.name = 'arrays.npz' OR starts_with(k.name, '{SHARED}'))
+SELECT a.content FROM grading_artefact own JOIN grading_artefact k USING (grading_id)
+    JOIN artefact a ON a.sha256 = k.sha256
+WHERE own.grading_id = :grading AND own.name = 'arrays.npz' AND (k.name = 'arrays.npz'
+    OR starts_with(k.name, '{SHARED}'))
 """
 
-# Returns the names of those ``shared`` whose content is stored already. In the order of their hashes, which avoids deadlocks.
+# Returns the names of those ``shared`` whose content is stored already. In the order of their hashes, which
+# avoids deadlocks.
 _INSERT = """
 WITH given AS (
-    SELECT * FROM unnest(CAST(:names AS text[]), CAST(:marks AS text[]), CAST(:contents AS bytea[])) one (name, sha256, content)
+    SELECT * FROM unnest(CAST(:names AS text[]), CAST(:marks AS text[]),
+    CAST(:contents AS bytea[])) one (name, sha256, content)
 ), stored AS (
-    INSERT INTO artefact (sha256, content) SELECT sha256, content FROM given ORDER BY sha256 ON CONFLICT DO NOTHING
+    INSERT INTO artefact (sha256, content) SELECT sha256, content FROM given ORDER BY sha256 ON CONFLICT
+    DO NOTHING
 ), own AS (
-    INSERT INTO grading_artefact (grading_id, name, sha256) SELECT :grading, name, sha256 FROM given ON CONFLICT DO NOTHING
+    INSERT INTO grading_artefact (grading_id, name, sha256) SELECT :grading, name, sha256 FROM given
+    ON CONFLICT DO NOTHING
 )
 INSERT INTO grading_artefact (grading_id, name, sha256)
-SELECT :grading, name, sha256 FROM unnest(CAST(:shared AS text[]), CAST(:shared_marks AS text[])) one (name, sha256)
+SELECT :grading, name, sha256 FROM unnest(CAST(:shared AS text[]), CAST(:shared_marks AS text[])) one (name,
+    sha256)
     JOIN artefact USING (sha256)
 ON CONFLICT DO NOTHING RETURNING name
 """
@@ -53,8 +62,8 @@ async def find_arrays(database: Database, grading: UUID) -> list[bytes]:
 
 
 async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
-    """Store artefacts in this transaction; content that several gradings have is stored once. Content whose name begins with SHARED
-    is sent only if it is not stored yet.
+    """Store artefacts in this transaction; content that several gradings have is stored once. Content whose
+    name begins with SHARED is sent only if it is not stored yet.
     """
     own, shared = dict[str, bytes](), dict[str, bytes]()
     for name, content in artefacts.items():
@@ -65,7 +74,9 @@ async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Map
 
 
 def _values(grading: UUID, own: Mapping[str, bytes], shared: Mapping[str, bytes]) -> dict[str, Any]:
-    marks, shared_marks = ([sha256(content).hexdigest() for content in files.values()] for files in (own, shared))
+    marks, shared_marks = (
+        [sha256(content).hexdigest() for content in files.values()] for files in (own, shared)
+    )
     return {
         "grading": grading,
         "names": [*own],

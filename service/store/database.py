@@ -63,7 +63,9 @@ class NoRow(LookupError):
 
 
 class Queries(ABC):
-    """Runs queries: a database, or a connection in a transaction. SQL text names its ``values`` with a colon."""
+    """Runs queries: a database, or a connection in a transaction.
+    SQL text names its ``values`` with a colon.
+    """
 
     @abstractmethod
     async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
@@ -110,7 +112,8 @@ class _Number(Loader):
 
 
 class Database(Queries):
-    """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date. They stay open.
+    """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
+    They stay open.
 
     A caller waits at most ``wait_s`` seconds for a connection. ``find_loss`` returns the reason why the files
     of an embedded database are lost, or None; no transaction counts as committed while it returns a reason.
@@ -142,7 +145,9 @@ class Database(Queries):
 
     @asynccontextmanager
     async def _connected(self) -> AsyncIterator[psycopg.AsyncConnection[Row]]:
-        """Provide a connection. Raises NoConnection if it breaks meanwhile, and then closes the idle ones, which are as old."""
+        """Provide a connection. Raises NoConnection if it breaks meanwhile, and then closes the idle ones,
+        which are as old.
+        """
         try:
             async with asyncio.timeout(self._wait_s):
                 await self._places.acquire()
@@ -151,7 +156,9 @@ class Database(Queries):
         try:
             connect = psycopg.AsyncConnection[Row].connect
             reused = self._idle.pop() if self._idle else None
-            connection = reused or await connect(self.url, autocommit=True, row_factory=namedtuple_row, **self._options)
+            connection = reused or await connect(
+                self.url, autocommit=True, row_factory=namedtuple_row, **self._options
+            )
             try:
                 connection.adapters.register_loader("numeric", _Number)
                 yield connection
@@ -172,7 +179,8 @@ class Database(Queries):
     async def begin(self) -> AsyncIterator[Connection]:
         """Open a transaction; it is committed at the end of the block and rolled back if the block raises.
 
-        Raises DatabaseLost, also if the files disappeared before the commit: they may be deleted files by then.
+        Raises DatabaseLost, also if the files disappeared before the commit: they may be deleted files by
+        then.
         """
         self._check_files()
         async with _bounded(), self._connected() as connection, connection.transaction():
@@ -186,8 +194,8 @@ class Database(Queries):
     async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
         """Run a read-only query and return all rows.
 
-        If the connection turns out to be dead, the query runs once more on a new one. Cancelling the caller does not interrupt the
-        query, so its connection stays usable.
+        If the connection turns out to be dead, the query runs once more on a new one. Cancelling the caller
+        does not interrupt the query, so its connection stays usable.
         """
         self._check_files()
         try:
@@ -227,7 +235,11 @@ def is_loss(error: BaseException) -> bool:
 
 
 # What a query raises on a database without the tables, columns or functions of this version.
-_WITHOUT_TABLES = (psycopg.errors.UndefinedTable, psycopg.errors.UndefinedColumn, psycopg.errors.UndefinedFunction)
+_WITHOUT_TABLES = (
+    psycopg.errors.UndefinedTable,
+    psycopg.errors.UndefinedColumn,
+    psycopg.errors.UndefinedFunction,
+)
 
 
 async def patiently(action: Callable[[], Awaitable[T]], most_s: float) -> T:

@@ -16,7 +16,8 @@ class AlreadyFinished(Exception):
 async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
     """Cancel a grading and return the id of its submission, or None if the grading does not exist.
 
-    A worker that is grading it stops at its next heartbeat. Raises AlreadyFinished if the grading has a result.
+    A worker that is grading it stops at its next heartbeat. Raises AlreadyFinished if the grading has a
+    result.
     """
     async with database.begin() as connection:
         found = await connection.first(_FOUND, {"grading": grading})
@@ -71,9 +72,11 @@ ON CONFLICT DO NOTHING RETURNING grading_id
 """
 
 _END_RUNS = """
-UPDATE run SET ended_at = now(), end_reason = 'cancelled', note = :note WHERE grading_id = ANY(:gradings) AND ended_at IS NULL
+UPDATE run SET ended_at = now(), end_reason = 'cancelled', note = :note WHERE grading_id = ANY(:gradings)
+    AND ended_at IS NULL
 """
 
 _FORGET_JOBS = """
-DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(:gradings) AND task_name = 'grade' AND status = 'todo'
+DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(:gradings) AND task_name = 'grade'
+    AND status = 'todo'
 """

@@ -16,7 +16,8 @@ MOST = 100
 class PastSubmission:
     """A person's submission; ``verdicts`` by check id are those of the report shown, if any.
 
-    ``comments`` is the number of comments on its source; ``regrade_request`` the status of the last request, if any.
+    ``comments`` is the number of comments on its source; ``regrade_request`` the status of the last request,
+    if any.
     """
 
     id: UUID
@@ -57,7 +58,8 @@ async def previous(database: Database, submission: UUID) -> UUID | None:
 
 
 async def gradings(database: Database, submission: UUID) -> Sequence[Row]:
-    """Return all gradings of a submission, oldest first, with result and with start and worker of the run that produced it.
+    """Return all gradings of a submission, oldest first, with result and with start and worker of the run
+    that produced it.
 
     ``kind`` is "interactive", "regrade" or "bulk"; ``runs`` counts all runs started. A ``preview`` grading
     belongs to a regrade that has not been applied.
@@ -66,19 +68,23 @@ async def gradings(database: Database, submission: UUID) -> Sequence[Row]:
 
 
 async def past_submissions(database: Database, person: str, slug: str) -> Sequence[PastSubmission]:
-    """Return the person's latest MOST submissions to an assignment, newest first, with source and verdicts."""
+    """Return the person's latest MOST submissions to an assignment, newest first,
+    with source and verdicts.
+    """
     rows = await database.rows(_PAST, {"person": person, "slug": slug, "most": MOST})
     return [PastSubmission(**{**row._asdict(), "verdicts": row.verdicts or {}}) for row in rows]
 
 
 _PAST = f"""
-SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, shown.total,
+SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score,
+    shown.total,
     given.points, coalesce(cut.penalty, 0) AS penalty, {SCORES_RELEASED}, {STATUS}, (
     SELECT jsonb_object_agg(o->>'id', o->>'verdict')
     FROM jsonb_array_elements(shown.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 ) AS verdicts,
     (SELECT count(*) FROM source_comment c WHERE c.submission_id = s.id) AS comments,
-    (SELECT q.status FROM regrade_request q WHERE q.submission_id = s.id ORDER BY requested_at DESC LIMIT 1) AS regrade_request
+    (SELECT q.status FROM regrade_request q WHERE q.submission_id = s.id ORDER BY requested_at DESC
+    LIMIT 1) AS regrade_request
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
     LEFT JOIN {PENALTY}
 WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most
@@ -90,19 +96,22 @@ WITH s AS (
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
     WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
 )
-SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, shown.total, {SCORES_RELEASED}, {STATUS}, s.before
+SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, shown.total,
+    {SCORES_RELEASED}, {STATUS}, s.before
 FROM s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
 """
 
 _BEFORE = """
 SELECT b.id FROM submission s JOIN submission b USING (person_id, assignment_id)
-WHERE s.id = :submission AND (b.submitted_at, b.id) < (s.submitted_at, s.id) ORDER BY b.submitted_at DESC, b.id DESC LIMIT 1
+WHERE s.id = :submission AND (b.submitted_at, b.id) < (s.submitted_at, s.id)
+    ORDER BY b.submitted_at DESC, b.id DESC LIMIT 1
 """
 
 _GRADINGS = """
 SELECT a.number, a.kind, a.preview, a.requested_at, r.started_at, r.worker,
     (SELECT count(*) FROM run WHERE grading_id = a.id) AS runs,
-    v.finished_at, v.score, coalesce(CAST(v.report->>'total' AS int), v.max_score) AS total, v.version, v.fault, v.cancelled_by
+    v.finished_at, v.score, coalesce(CAST(v.report->>'total' AS int), v.max_score) AS total, v.version,
+    v.fault, v.cancelled_by
 FROM grading a LEFT JOIN result v ON v.grading_id = a.id LEFT JOIN LATERAL (
     SELECT started_at, worker FROM run WHERE run.grading_id = a.id AND coalesce(run.id = v.run_id, true)
     ORDER BY started_at DESC LIMIT 1

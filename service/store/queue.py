@@ -19,7 +19,9 @@ from service.store.database import Connection, connect_options
 
 QUEUE = "grade"
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
-RECONNECT_S = 0.5  # the pool doubles its pause between attempts, so a long outage would leave it asleep for hours
+RECONNECT_S = (
+    0.5  # the pool doubles its pause between attempts, so a long outage would leave it asleep for hours
+)
 STEP = 1000  # priority between kinds; within a kind, a person's n-th open grading ranks n lower
 
 
@@ -39,7 +41,9 @@ def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
 
 
 async def _configure(connection: AsyncConnection) -> None:
-    """Make each statement a transaction that does not wait for the disk: a job that a crash brings back is taken again."""
+    """Make each statement a transaction that does not wait for the disk: a job that a crash brings back is
+    taken again.
+    """
     await connection.set_autocommit(True)
     await connection.execute("SET synchronous_commit = off")
 
@@ -47,7 +51,9 @@ async def _configure(connection: AsyncConnection) -> None:
 _sender = App(connector=PsycopgConnector())  # never opened: it writes through its callers' transactions
 
 
-async def send(connection: Connection, gradings: Sequence[UUID], *, task: str = "grade", priority: int) -> None:
+async def send(
+    connection: Connection, gradings: Sequence[UUID], *, task: str = "grade", priority: int
+) -> None:
     """Add a job for each grading in this transaction. ``task`` is "grade" or "sweep"."""
     job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=connection.raw)
     await job.batch_defer_async(*map(job_arguments, gradings))
@@ -59,7 +65,9 @@ def job_arguments(grading: UUID) -> dict[str, JSONValue]:
 
 
 def priority_of(kind: str, open_before: int) -> int:
-    """Return the priority of a grading whose person has ``open_before`` earlier open gradings of that kind."""
+    """Return the priority of a grading whose person has ``open_before`` earlier open gradings of that
+    kind.
+    """
     return STEP * KINDS[kind] - min(STEP - 1, open_before)
 
 
@@ -76,8 +84,8 @@ async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, beg
 
 
 async def send_next(connection: Connection, done: UUID) -> None:
-    """Move the person's next grading up after ``done`` got its result, behind others of its new rank. The person must be locked, by
-    an earlier statement.
+    """Move the person's next grading up after ``done`` got its result, behind others of its new rank. The
+    person must be locked, by an earlier statement.
 
     So people take turns however many submissions each has queued, and later arrivals do not delay an early
     second submission indefinitely.
@@ -106,15 +114,19 @@ _NEXT = f"""
 SELECT j.id AS job, b.id AS grading
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN submission t ON t.person_id = s.person_id
     JOIN grading b ON b.submission_id = t.id AND b.kind = a.kind
-    JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade' AND j.status = 'todo'
+    JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade'
+    AND j.status = 'todo'
 WHERE a.id = :grading AND mod(j.priority, {STEP}) NOT IN (0, 1)
 ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
 """
 
 _OPEN_BEFORE = """
 SELECT a.id, a.kind, (
-    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
-    WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.grading_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
+    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT
+    JOIN result r ON r.grading_id = b.id
+    WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.grading_id IS NULL
+    AND (b.requested_at, b.id) < (a.requested_at, a.id)
 ) AS open
-FROM grading a JOIN submission s ON s.id = a.submission_id WHERE a.id = ANY(:gradings) ORDER BY a.requested_at, a.id
+FROM grading a JOIN submission s ON s.id = a.submission_id WHERE a.id = ANY(:gradings)
+    ORDER BY a.requested_at, a.id
 """

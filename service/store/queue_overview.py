@@ -27,7 +27,9 @@ class QueueSnapshot:
 
 @dataclass(frozen=True)
 class Rules:
-    """Deadline, grace period in seconds, submission limit (None: no limit) and weight in the course of an assignment."""
+    """Deadline, grace period in seconds, submission limit (None: no limit) and weight in the course of an
+    assignment.
+    """
 
     due_at: datetime | None
     grace_s: float
@@ -37,10 +39,14 @@ class Rules:
 
 async def snapshot(database: Database) -> QueueSnapshot:
     """Read the present state of the queue."""
-    return QueueSnapshot(*[await database.rows(query) for query in (_WAITING, _PLACES, _GOING, _WORKERS, _FAULTS)])
+    return QueueSnapshot(
+        *[await database.rows(query) for query in (_WAITING, _PLACES, _GOING, _WORKERS, _FAULTS)]
+    )
 
 
-async def regrade(database: Database, which: Sequence[UUID] | str, actor: str, *, faults: bool = False) -> int:
+async def regrade(
+    database: Database, which: Sequence[UUID] | str, actor: str, *, faults: bool = False
+) -> int:
     """Queue a new grading, with the same seed, for each selected submission and return their number.
 
     ``which`` is a list of ids, "faults" (submissions without a report) or "all"; with ``faults``,
@@ -69,8 +75,11 @@ async def set_rules(database: Database, slug: str, rules: Rules, actor: str) -> 
     return await change_rules(database, slug, asdict(rules), actor) is not None
 
 
-async def change_rules(database: Database, slug: str, changes: Mapping[str, datetime | float | None], actor: str) -> Rules | None:
-    """Change the rules named in ``changes``, which are fields of Rules, and return all rules of the assignment.
+async def change_rules(
+    database: Database, slug: str, changes: Mapping[str, datetime | float | None], actor: str
+) -> Rules | None:
+    """Change the rules named in ``changes``, which are fields of Rules, and return all rules of the
+    assignment.
 
     Return None if the assignment does not exist.
     """
@@ -78,7 +87,9 @@ async def change_rules(database: Database, slug: str, changes: Mapping[str, date
         row = await connection.first(_RULES, {"slug": slug})
         if row is not None and changes:
             (row,) = await connection.rows(_SET_RULES, {"slug": slug, **row._asdict(), **changes})
-            await audit.record(connection, actor, "rules", slug, {name: str(value) for name, value in row._asdict().items()})
+            await audit.record(
+                connection, actor, "rules", slug, {name: str(value) for name, value in row._asdict().items()}
+            )
     return None if row is None else Rules(**row._asdict())
 
 
@@ -87,12 +98,14 @@ _COLUMNS = "due_at, grace_s, submission_limit, weight"
 _RULES = f"SELECT {_COLUMNS} FROM assignment WHERE slug = :slug FOR NO KEY UPDATE"
 
 _SET_RULES = f"""
-UPDATE assignment SET due_at = :due_at, grace_s = :grace_s, submission_limit = :submission_limit, weight = :weight
+UPDATE assignment SET due_at = :due_at, grace_s = :grace_s, submission_limit = :submission_limit,
+    weight = :weight
 WHERE slug = :slug RETURNING {_COLUMNS}
 """
 
 _WAITING = """
-SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch FROM now() - min(a.requested_at)) AS waited_s
+SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch
+    FROM now() - min(a.requested_at)) AS waited_s
 FROM procrastinate_jobs j JOIN grading a ON a.id::text = j.args->>'attempt'
 WHERE j.status = 'todo' AND j.task_name = 'grade' GROUP BY a.kind ORDER BY max(j.priority) DESC
 """
@@ -100,28 +113,37 @@ WHERE j.status = 'todo' AND j.task_name = 'grade' GROUP BY a.kind ORDER BY max(j
 MOST_PLACES = 200
 
 _PLACES = f"""
-SELECT j.position, j.total, a.id AS grading, a.kind, a.number, a.preview, a.requested_at, s.id AS submission, p.name AS person,
+SELECT j.position, j.total, a.id AS grading, a.kind, a.number, a.preview, a.requested_at, s.id AS submission,
+    p.name AS person,
     p.full_name, x.slug AS assignment
 FROM (
     SELECT (args->>'attempt')::uuid AS grading, row_number() OVER (ORDER BY priority DESC, id) AS position,
         count(*) OVER () AS total
-    FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade' ORDER BY priority DESC, id LIMIT {MOST_PLACES}
-) j JOIN grading a ON a.id = j.grading JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade' ORDER BY priority DESC, id
+    LIMIT {MOST_PLACES}
+) j JOIN grading a ON a.id = j.grading JOIN submission s ON s.id = a.submission_id
+    JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id
 ORDER BY j.position
 """
 
 _GOING = """
-SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS grading, a.kind, a.number, a.preview, s.id AS submission,
-    p.name AS person, p.full_name, x.slug AS assignment, extract(epoch FROM now() - run.started_at) AS running_s,
-    extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch FROM now() - run.heartbeat_at) AS silent_s
-FROM run JOIN grading a ON a.id = run.grading_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS grading, a.kind, a.number, a.preview,
+    s.id AS submission,
+    p.name AS person, p.full_name, x.slug AS assignment, extract(epoch
+    FROM now() - run.started_at) AS running_s,
+    extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch
+    FROM now() - run.heartbeat_at) AS silent_s
+FROM run JOIN grading a ON a.id = run.grading_id JOIN submission s ON s.id = a.submission_id
+    JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id
-WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.grading_id = a.id) ORDER BY run.started_at
+WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.grading_id = a.id)
+    ORDER BY run.started_at
 """
 
 _WORKERS = """
-SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM now() - seen_at) AS silent_s FROM worker
+SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM now() - seen_at) AS silent_s
+    FROM worker
 WHERE seen_at BETWEEN now() - interval '30 s' AND now() + interval '30 s' ORDER BY name
 """
 
@@ -131,7 +153,8 @@ _HAS_REPORT = """EXISTS (
 """
 
 _FAULTS = f"""
-SELECT s.id AS submission, p.name AS person, p.full_name, x.slug AS assignment, r.fault, r.cancelled_by, r.finished_at
+SELECT s.id AS submission, p.name AS person, p.full_name, x.slug AS assignment, r.fault, r.cancelled_by,
+    r.finished_at
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {LAST}
 WHERE r.fault IS NOT NULL AND NOT {_HAS_REPORT}
 ORDER BY r.finished_at DESC LIMIT 50

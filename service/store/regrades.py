@@ -51,7 +51,13 @@ class Regrade:
 
 
 async def create(
-    database: Database, slug: str, which: UUID | str, actor: str, *, check: str | None = None, description: str
+    database: Database,
+    slug: str,
+    which: UUID | str,
+    actor: str,
+    *,
+    check: str | None = None,
+    description: str,
 ) -> UUID:
     """Queue preview gradings and return the id of the new regrade.
 
@@ -72,7 +78,11 @@ async def create(
     async with database.begin() as connection:
         if count:
             await audit.record(
-                connection, actor, "regrade begun", str(id), {"assignment": slug, "what": description, "submissions": count}
+                connection,
+                actor,
+                "regrade begun",
+                str(id),
+                {"assignment": slug, "what": description, "submissions": count},
             )
             return UUID(str(id))
         await connection.execute("DELETE FROM regrade WHERE id = :id", {"id": id})
@@ -80,7 +90,9 @@ async def create(
 
 
 async def _add(database: Database, id: UUID, submissions: Sequence[UUID]) -> int:
-    """Queue preview gradings and return their number, which is 0 if the regrade has been decided meanwhile."""
+    """Queue preview gradings and return their number, which is 0 if the regrade has been decided
+    meanwhile.
+    """
     async with database.begin() as connection:
         await lock_persons(connection, submissions)
         if await connection.first(_UNDECIDED, {"id": id}) is None:
@@ -155,12 +167,15 @@ SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE 
 """
 
 _SELECTED = {
-    which: f"""
+    which: (
+        f"""
 SELECT id FROM ({query}) counted
 WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
-    SELECT 1 FROM outcome o WHERE o.grading_id = counted.grading AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
+    SELECT 1 FROM outcome o WHERE o.grading_id = counted.grading AND o.check_id = :check AND o.counted
+    AND o.state <> 'pass'))
 ORDER BY person_id
 """
+    )
     for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
 }
 
@@ -168,32 +183,38 @@ _UNDECIDED = "SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE
 
 _ADD = f"""
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at, regrade_id, preview)
-SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
+SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b
+    WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
     clock_timestamp(), :regrade, true
 FROM submission s JOIN {LAST}
 WHERE s.id = ANY(:submissions) RETURNING id
 """
 
 _FIND = """
-SELECT g.id, x.slug AS assignment, g.description, g.requested_by, g.requested_at, g.decided, g.decided_by, g.decided_at,
+SELECT g.id, x.slug AS assignment, g.description, g.requested_by, g.requested_at, g.decided, g.decided_by,
+    g.decided_at,
     count(r.grading_id) AS finished, count(r.score) AS graded, count(a.id) AS total
 FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN grading a ON a.regrade_id = g.id
     LEFT JOIN result r ON r.grading_id = a.id
-WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug ORDER BY g.requested_at DESC LIMIT 100
+WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug
+    ORDER BY g.requested_at DESC LIMIT 100
 """
 
 _DECIDE = """
-UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp() WHERE id = :id AND decided IS NULL
+UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp() WHERE id = :id
+    AND decided IS NULL
 """
 
 _OPEN = """
-SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = a.id)
+SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r
+    WHERE r.grading_id = a.id)
 """
 
 # A report of a later grading stays shown.
 _OVERTAKEN = """EXISTS (
     SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
-    WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL)
+    WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.preview
+    AND q.report IS NOT NULL)
 """
 
 _RELEASE = f"""
@@ -212,14 +233,17 @@ async def score_changes(database: Database, id: UUID) -> Sequence[Row]:
 
 
 async def check_changes(database: Database, id: UUID) -> Sequence[Row]:
-    """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` and their points (or None)."""
+    """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` and their points
+    (or None).
+    """
     return await database.rows(_FLIPS, {"id": id})
 
 
 # The grading that counts without this regrade: the last earlier one with a report.
 _BEFORE = """
 LATERAL (
-    SELECT b.id AS grading, q.score, q.max_score, q.version FROM grading b JOIN result q ON q.grading_id = b.id
+    SELECT b.id AS grading, q.score, q.max_score, q.version FROM grading b
+    JOIN result q ON q.grading_id = b.id
     WHERE b.submission_id = a.submission_id AND b.number < a.number AND NOT b.preview AND q.report IS NOT NULL
     ORDER BY b.number DESC LIMIT 1
 ) was ON true
@@ -227,7 +251,8 @@ LATERAL (
 
 _PAIRS = f"""
 SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, p.full_name,
-    r.grading_id IS NOT NULL AS finished, r.fault, r.cancelled_by, was.score AS was_score, was.max_score AS was_max,
+    r.grading_id IS NOT NULL AS finished, r.fault, r.cancelled_by, was.score AS was_score,
+    was.max_score AS was_max,
     was.version AS was_version, r.score, r.max_score, r.version,
     before.points AS was_points, given.points, given.overridden, {_OVERTAKEN} AS overtaken
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id

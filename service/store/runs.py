@@ -19,7 +19,8 @@ from service.store.database import Connection, Database, Row
 from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
 
 CHANNEL = "polhode"
-PROGRESS = " progress"  # ends a notification about a grading that goes on: a request that waits for its result need not look
+# ends a notification about a grading that goes on: a request that waits for its result need not look
+PROGRESS = " progress"
 MAX_FAILED_RUNS = 2  # a run that failed is repeated once; one that was lost, up to ``max_runs`` in all
 
 
@@ -46,9 +47,12 @@ class Claim(GradingJob):
 async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
     """Start run ``new_run`` of a grading. Return None if the grading already has a result.
 
-    After MAX_FAILED_RUNS failed runs, or ``max_runs`` lost or failed ones, record a system fault that lists them, and return None.
+    After MAX_FAILED_RUNS failed runs, or ``max_runs`` lost or failed ones, record a system fault that lists
+    them, and return None.
     """
-    found = await database.first(_CLAIM, {"run": new_run, "grading": grading, "worker": worker, "most_failed": MAX_FAILED_RUNS})
+    found = await database.first(
+        _CLAIM, {"run": new_run, "grading": grading, "worker": worker, "most_failed": MAX_FAILED_RUNS}
+    )
     if found is None or found.finished:
         return None
     if found.given_up:
@@ -88,7 +92,9 @@ async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, 
 
 
 async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
-    """Record the result with its artefacts. Return False, and store nothing, if another run finished first."""
+    """Record the result with its artefacts. Return False, and store nothing,
+    if another run finished first.
+    """
     values = {
         "grading": claimed.grading,
         "submission": claimed.submission_id,
@@ -152,8 +158,12 @@ def _job_fields(grading: UUID, row: Row) -> dict[str, Any]:
 
 
 async def notify_in(connection: Connection, submission_id: UUID, suffix: str = "") -> None:
-    """Notify all servers when this transaction is committed. ``suffix`` is PROGRESS or "" for any other change."""
-    await connection.execute("SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": f"{submission_id}{suffix}"})
+    """Notify all servers when this transaction is committed. ``suffix`` is PROGRESS or "" for any other
+    change.
+    """
+    await connection.execute(
+        "SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": f"{submission_id}{suffix}"}
+    )
 
 
 _GRADING = """
@@ -173,7 +183,8 @@ judged AS (SELECT *, failed >= :most_failed OR lost + failed >= max_runs AS give
 begun AS (
     INSERT INTO run (id, grading_id, worker, phase)
     SELECT :run, :grading, :worker, 'starting' FROM judged WHERE NOT finished AND NOT given_up
-    ON CONFLICT DO NOTHING RETURNING pg_notify('{CHANNEL}', (SELECT submission_id || '{PROGRESS}' FROM judged))
+    ON CONFLICT DO NOTHING RETURNING pg_notify('{CHANNEL}', (SELECT submission_id || '{PROGRESS}'
+    FROM judged))
 )
 SELECT judged.*, set_config('synchronous_commit', 'off', true) FROM judged LEFT JOIN begun ON true
 """
@@ -200,7 +211,8 @@ _FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CO
 _RESULT = f"""
 WITH stored AS (
     INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
-    VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT DO NOTHING RETURNING run_id
+    VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT
+    DO NOTHING RETURNING run_id
 ), ended AS (
     INSERT INTO run (id, grading_id, worker, phase, ended_at, end_reason)
     SELECT run_id, :grading, :worker, 'starting', now(), 'finished' FROM stored
@@ -209,7 +221,8 @@ WITH stored AS (
 ), outcomes AS (
     INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
     SELECT :grading, one.* FROM stored, jsonb_to_recordset(:outcomes) AS one (
-        check_id text, state text, counted boolean, margin float8, codes text[], causes text[], points integer, earned integer
+        check_id text, state text, counted boolean, margin float8, codes text[], causes text[],
+        points integer, earned integer
     ) ON CONFLICT DO NOTHING
 )
 SELECT pg_notify('{CHANNEL}', CAST(s.id AS text)), {PERSON_LOCK.format("s.person_id")}
@@ -223,13 +236,18 @@ UPDATE run SET ended_at = now(), end_reason = 'superseded', note = NULL
 WHERE id = :run AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
 """
 
-_END_IF_OPEN = "UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note WHERE id = :run AND ended_at IS NULL"
+_END_IF_OPEN = (
+    "UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note WHERE id = :run AND ended_at IS"
+    " NULL"
+)
 
 _DROP_JOBS = "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'"
 
 
 def _outcomes(report: Report) -> list[dict[str, Any]]:
-    """Return a row of the table ``outcome`` for each check of the report, as JSON, which has no infinite numbers."""
+    """Return a row of the table ``outcome`` for each check of the report, as JSON, which has no infinite
+    numbers.
+    """
     return [
         {
             "check_id": outcome.id,

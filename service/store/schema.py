@@ -13,21 +13,25 @@ from sqlalchemy import Connection, create_engine, text
 from service.store.database import Database, connect_options
 
 TABLES = (
-    "artefact", "assignment", "assignment_version", "audit", "course", "device_login", "extension", "grading", "grading_artefact",
-    "member", "note", "oidc_account", "outcome", "override", "person", "regrade", "regrade_request", "result", "run", "secret",
+    "artefact", "assignment", "assignment_version", "audit", "course", "device_login", "extension", "grading",
+    "grading_artefact",
+    "member", "note", "oidc_account", "outcome", "override", "person", "regrade", "regrade_request", "result",
+    "run", "secret",
     "source_comment", "submission", "token", "worker",
 )  # fmt: skip
 # An arbitrary constant: a number names PostgreSQL's advisory locks.
 MIGRATION_LOCK = 2_6_2026
 MISSING_TABLES = f"""
-SELECT name FROM unnest(CAST('{{{",".join(TABLES)}}}' AS text[])) AS name WHERE to_regclass(quote_ident(name)) IS NULL ORDER BY name
+SELECT name FROM unnest(CAST('{{{",".join(TABLES)}}}' AS text[])) AS name
+    WHERE to_regclass(quote_ident(name)) IS NULL ORDER BY name
 """
 
 _RESTORE = "restore a backup with polhode db restore --replace FILE"
 _MARK = "polhode: has tables"  # so that a database whose tables were dropped is not taken for a new one
 _COMMENT = "SELECT shobj_description(oid, 'pg_database') FROM pg_database WHERE datname = current_database()"
 _MAY_COMMENT = f"""
-SELECT pg_has_role(datdba, 'USAGE') AND ({_COMMENT}) IS NULL FROM pg_database WHERE datname = current_database()
+SELECT pg_has_role(datdba, 'USAGE') AND ({_COMMENT}) IS NULL FROM pg_database
+    WHERE datname = current_database()
 """
 
 
@@ -37,7 +41,9 @@ class WrongSchema(Exception):
 
 def driver_url(url: str) -> str:
     """Return a ``postgresql://`` address in the form that makes SQLAlchemy use psycopg."""
-    return url.replace("postgresql://", "postgresql+psycopg://", 1).replace("postgres://", "postgresql+psycopg://", 1)
+    return url.replace("postgresql://", "postgresql+psycopg://", 1).replace(
+        "postgres://", "postgresql+psycopg://", 1
+    )
 
 
 def migrate(url: str) -> str:
@@ -86,16 +92,16 @@ def _check_revision(connection: Connection) -> None:
     found = MigrationContext.configure(connection).get_current_revision()
     if found is not None and found not in {one.revision for one in revisions.walk_revisions()}:
         raise WrongSchema(
-            f"the database has the tables of revision {found}, and this version of polhode knows revisions up to "
-            f"{revisions.get_current_head()}: install the later version that wrote them, or restore a backup of this version "
-            "with polhode db restore --replace FILE"
+            f"the database has the tables of revision {found}, and this version of polhode knows revisions up"
+            f" to {revisions.get_current_head()}: install the later version that wrote them, or restore a"
+            " backup of this version with polhode db restore --replace FILE"
         )
     if found is None and len(_missing_tables(connection)) < len(TABLES):
         raise WrongSchema(f"the table alembic_version of the database is missing or empty: {_RESTORE}")
     if found is None and connection.execute(text(_COMMENT)).scalar() == _MARK:
         raise WrongSchema(
-            "the database is empty, and its comment says that it had tables: restore a backup with polhode db restore FILE; to "
-            "start with an empty course, use a new database"
+            "the database is empty, and its comment says that it had tables: restore a backup with polhode db"
+            " restore FILE; to start with an empty course, use a new database"
         )
 
 
@@ -109,8 +115,13 @@ def _check_tables(connection: Connection) -> None:
 
 
 def _mark(connection: Connection) -> None:
-    """Note in the database's comment that it has tables, if polhode may write it and there is no other comment."""
+    """Note in the database's comment that it has tables, if polhode may write it and there is no other
+    comment.
+    """
     if connection.execute(text(_MAY_COMMENT)).scalar():
         connection.execute(
-            text(f"DO $$ BEGIN EXECUTE format('COMMENT ON DATABASE %I IS %L', current_database(), '{_MARK}'); END $$")
+            text(
+                f"DO $$ BEGIN EXECUTE format('COMMENT ON DATABASE %I IS %L', current_database(), '{_MARK}');"
+                " END $$"
+            )
         )

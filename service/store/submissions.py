@@ -24,7 +24,9 @@ class KeyReused(Exception):
 
 
 class SubmissionRejected(Exception):
-    """The submission is rejected for the reason in the message; ``kind`` is its problem type, ``until`` a passed deadline."""
+    """The submission is rejected for the reason in the message; ``kind`` is its problem type, ``until`` a
+    passed deadline.
+    """
 
     def __init__(self, kind: str, sentence: str, until: datetime | None = None) -> None:
         super().__init__(sentence)
@@ -44,19 +46,22 @@ async def register(database: Database, catalogue: Iterable[Assignment]) -> None:
 
 
 _REGISTER = """
-INSERT INTO assignment (course_id, slug) SELECT id, :slug FROM course WHERE slug = :course ON CONFLICT DO NOTHING
+INSERT INTO assignment (course_id, slug) SELECT id, :slug FROM course WHERE slug = :course ON CONFLICT
+    DO NOTHING
 """
 
 _REGISTER_VERSION = """
 INSERT INTO assignment_version (assignment_id, version)
-SELECT a.id, :version FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug AND c.slug = :course
+SELECT a.id, :version FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug
+    AND c.slug = :course
 ON CONFLICT DO NOTHING
 """
 
 
 @dataclass(frozen=True)
 class Accepted:
-    """A stored submission. If not ``fresh``, an earlier request stored the same source, and it may have a result.
+    """A stored submission. If not ``fresh``, an earlier request stored the same source, and it may have a
+    result.
 
     ``repeated`` means that it is the person's last submission, and that another one was not wanted.
     """
@@ -80,12 +85,12 @@ async def accept(
 ) -> Accepted:
     """Store a submission and queue its grading; with a known key, return the one stored before.
 
-    Unless ``repeat``, return the person's last submission to the assignment if it has the same content, was or will be graded by
-    the present version of the assignment, and did not end in a system fault.
+    Unless ``repeat``, return the person's last submission to the assignment if it has the same content, was
+    or will be graded by the present version of the assignment, and did not end in a system fault.
 
     Waits for a concurrent request with the same key. Raises KeyReused if the stored submission differs,
-    SubmissionRejected after the deadline or if no submission is left, and TooManyOpen if ``most_open`` submissions of the
-    person are not graded yet.
+    SubmissionRejected after the deadline or if no submission is left, and TooManyOpen if ``most_open``
+    submissions of the person are not graded yet.
     """
     try:
         return await _accept(database, new, key, kind=kind, most_open=most_open, repeat=repeat)
@@ -99,8 +104,15 @@ async def _accept(
     database: Database, new: NewSubmission, key: str | None, *, kind: str, most_open: int | None, repeat: bool
 ) -> Accepted:
     async with database.begin() as connection:
-        person = database.persons.get(new.person) or await add_person(connection, new.person)  # ids never change
-        request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
+        person = database.persons.get(new.person) or await add_person(
+            connection, new.person
+        )  # ids never change
+        request = {
+            "slug": new.assignment,
+            "course": COURSE,
+            "person": str(person),
+            "age": time.monotonic() - new.arrived,
+        }
         rules = await connection.one(_RULES, request)
         if not repeat and (last := await _find_same(connection, new, rules.id, person, key)) is not None:
             return last
@@ -153,7 +165,8 @@ FROM grading WHERE submission_id = :submission
 # submissions, so that two concurrent ones cannot both take the last place.
 _RULES = f"""
 SELECT x.id, until.due_at, x.grace_s, x.submission_limit, at, coalesce(at > until.due_at, false) AS late,
-    coalesce(at > until.due_at + make_interval(secs => x.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
+    coalesce(at > until.due_at + make_interval(secs => x.grace_s), false) AS over,
+    {PERSON_LOCK.format("CAST(:person AS text)")}
 FROM assignment x JOIN course c ON c.id = x.course_id
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = CAST(:person AS uuid)
     JOIN LATERAL {OWN_DEADLINE},
@@ -165,20 +178,24 @@ WHERE x.slug = :slug AND c.slug = :course
 _STORE = """
 WITH stored AS (
     INSERT INTO submission
-        (id, assignment_id, person_id, source, sha256, filename, exercises, late, submitted_at, fingerprint, idempotency_key)
-    VALUES (:id, :assignment, :person, :source, :sha256, :filename, :exercises, :late, :at, :fingerprint, :key)
+        (id, assignment_id, person_id, source, sha256, filename, exercises, late, submitted_at, fingerprint,
+        idempotency_key)
+    VALUES (:id, :assignment, :person, :source, :sha256, :filename, :exercises, :late, :at, :fingerprint,
+    :key)
     ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
 )
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
 SELECT :grading, id, 1, :kind, :seed, :max_runs, clock_timestamp() FROM stored
 RETURNING (
-    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
+    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT
+    JOIN result r ON r.grading_id = b.id
     WHERE t.person_id = :person AND b.kind = :kind AND r.grading_id IS NULL
 ) AS open
 """
 
 _REPEATED = f"""
-SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assignment x ON x.id = s.assignment_id
+SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s
+    JOIN assignment x ON x.id = s.assignment_id
 WHERE s.person_id = :person AND s.idempotency_key = :key
 """
 
@@ -189,7 +206,8 @@ WHERE s.person_id = :person AND s.assignment_id = :assignment ORDER BY s.submitt
 """
 
 _USED = f"""
-SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment AND NOT {FAULTED}
+SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment
+    AND NOT {FAULTED}
 """
 
 
@@ -197,27 +215,41 @@ async def _check(connection: Connection, rules: Row, person: UUID) -> None:
     """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
-        raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}", until)
+        raise SubmissionRejected(
+            "deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}", until
+        )
     if rules.submission_limit is not None:
         used = (await connection.one(_USED, {"person": person, "assignment": rules.id}))[0]
         if used > rules.submission_limit:
-            sentence = f"all {rules.submission_limit} submissions allowed have been used: ask the course staff for another one"
+            sentence = (
+                f"all {rules.submission_limit} submissions allowed have been used: ask the course staff for"
+                " another one"
+            )
             raise SubmissionRejected("none-left", sentence)
 
 
 async def _find_same(
     connection: Connection, new: NewSubmission, assignment: UUID, person: UUID, key: str | None
 ) -> Accepted | None:
-    """Return the person's last submission if another one would repeat it; None if not, or if this request has stored it."""
+    """Return the person's last submission if another one would repeat it; None if not, or if this request has
+    stored it.
+    """
     last = await connection.first(_LAST, {"person": person, "assignment": assignment})
-    if last is None or last.fingerprint != new.fingerprint or last.fault is not None or (key is not None and last.key == key):
+    if (
+        last is None
+        or last.fingerprint != new.fingerprint
+        or last.fault is not None
+        or (key is not None and last.key == key)
+    ):
         return None
     if last.version not in (None, assignments()[new.assignment].version):
         return None
     return Accepted(last.id, new.submission.sha256, last.submitted_at, last.late, fresh=False, repeated=True)
 
 
-async def _find_repeated(connection: Connection, new: NewSubmission, person: UUID, key: str | None) -> Accepted:
+async def _find_repeated(
+    connection: Connection, new: NewSubmission, person: UUID, key: str | None
+) -> Accepted:
     found = await connection.one(_REPEATED, {"person": person, "key": key})
     if found.fingerprint != new.fingerprint:
         raise KeyReused

@@ -1,7 +1,8 @@
 """Sweeps: speed against accuracy of a submission's own function, stored as artefacts of its grading.
 
-``sweep.json`` and ``sweep.svg`` are the result, ``sweep.refused`` is the sentence for a submission that cannot be measured,
-``sweep.run.N`` marks the begin of run N, and ``sweep.fault.N`` says why polhode failed in it.
+``sweep.json`` and ``sweep.svg`` are the result, ``sweep.refused`` is the sentence for a submission that
+cannot be measured, ``sweep.run.N`` marks the begin of run N, and ``sweep.fault.N`` says why polhode failed in
+it.
 """
 
 import json
@@ -20,9 +21,11 @@ MOST_RUNS = 3  # of one grading's sweep, lost ones included
 
 
 async def request(database: Database, grading: UUID) -> str | None:
-    """Queue a sweep of this grading's function unless one is queued or done. It goes before regrades, as a person waits for it.
+    """Queue a sweep of this grading's function unless one is queued or done. It goes before regrades, as a
+    person waits for it.
 
-    Return None, or why polhode failed to measure it: a request runs a failed sweep again only in another version of polhode.
+    Return None, or why polhode failed to measure it: a request runs a failed sweep again only in another
+    version of polhode.
     """
     async with database.begin() as connection:
         await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
@@ -52,7 +55,11 @@ async def begin(database: Database, grading: UUID) -> int | None:
 
 def fault(number: int, reason: str) -> dict[str, bytes]:
     """Return the artefact that says why polhode failed in run ``number`` of a sweep."""
-    return {f"sweep.fault.{number}": json.dumps({"reason": reason, "version": metadata.version("polhode")}).encode()}
+    return {
+        f"sweep.fault.{number}": (
+            json.dumps({"reason": reason, "version": metadata.version("polhode")}).encode()
+        )
+    }
 
 
 LAST_FAULT = f"sweep.fault.{MOST_RUNS}"
@@ -66,7 +73,9 @@ async def request_class(database: Database, class_: Iterable[StudentRow]) -> int
     gradings = _gradings(class_)
     done = {row.grading_id for row in await database.rows(_DONE, {"gradings": gradings, "last": LAST_FAULT})}
     async with database.begin() as connection:
-        return sum([await _queue_once(connection, grading, "bulk") for grading in gradings if grading not in done])
+        return sum(
+            [await _queue_once(connection, grading, "bulk") for grading in gradings if grading not in done]
+        )
 
 
 async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, int]:
@@ -97,7 +106,8 @@ async def _queue_once(connection: Connection, grading: UUID, kind: str) -> bool:
 _LOCK_SWEEP = "SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :grading, 0))"
 
 _QUEUED = """
-SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing') AND args->>'attempt' = :grading
+SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing')
+    AND args->>'attempt' = :grading
 """
 
 _DONE = """

@@ -19,10 +19,19 @@ JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
 
 
 async def register_worker(
-    database: Database, worker: str, isolation: str | None, unavailable_reason: str | None, zygote_restarts: int = 0
+    database: Database,
+    worker: str,
+    isolation: str | None,
+    unavailable_reason: str | None,
+    zygote_restarts: int = 0,
 ) -> None:
     """Record that a worker is alive, with its isolation level or the reason why it cannot grade."""
-    values = {"name": worker, "isolation": isolation, "reason": unavailable_reason, "zygote_restarts": zygote_restarts}
+    values = {
+        "name": worker,
+        "isolation": isolation,
+        "reason": unavailable_reason,
+        "zygote_restarts": zygote_restarts,
+    }
     async with database.begin() as connection:
         await connection.execute(_REGISTER, values)
 
@@ -34,9 +43,11 @@ async def unregister_worker(database: Database, worker: str) -> None:
 
 
 _REGISTER = """
-INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts) VALUES (:name, :isolation, :reason, :zygote_restarts)
+INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts)
+    VALUES (:name, :isolation, :reason, :zygote_restarts)
 ON CONFLICT (name) DO UPDATE
-    SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts, seen_at = now()
+    SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts,
+    seen_at = now()
 """
 
 
@@ -46,7 +57,9 @@ class ClockWatch:
 
     monotonic: Callable[[], float] = time.monotonic
     jumps: int = field(default=0, init=False)
-    _offset: tuple[float, float] | None = field(default=None, init=False)  # lower and upper bound of the difference
+    _offset: tuple[float, float] | None = field(
+        default=None, init=False
+    )  # lower and upper bound of the difference
     _settled_at: float = field(default=float("-inf"), init=False)
 
     async def settled(self, connection: Connection, began: float, lease_s: float) -> bool:
@@ -60,16 +73,23 @@ class ClockWatch:
         if before is not None:
             jump = max(self._offset[0] - before[1], before[0] - self._offset[1])
             if jump > lease_s / 2:  # less cannot make a living worker's last heartbeat too old
-                log.warning("the database's clock jumped by at least %.1f s: no run counts as lost for %g s", jump, lease_s)
+                log.warning(
+                    "the database's clock jumped by at least %.1f s: no run counts as lost for %g s",
+                    jump,
+                    lease_s,
+                )
                 self._settled_at, self.jumps = ended + lease_s, self.jumps + 1
         return ended >= self._settled_at
 
 
-async def recover(database: Database, lease_s: float = LEASE_S, clock: ClockWatch | None = None) -> list[UUID]:
+async def recover(
+    database: Database, lease_s: float = LEASE_S, clock: ClockWatch | None = None
+) -> list[UUID]:
     """Queue gradings of lost runs again, drop jobs of finished gradings, and return the former.
 
     A run without a heartbeat for ``lease_s`` seconds is lost: its worker is dead, frozen or disconnected.
-    After the database's clock has jumped, as ``clock`` notices between two calls, nothing is lost for a lease.
+    After the database's clock has jumped, as ``clock`` notices between two calls, nothing is lost for a
+    lease.
     """
     again = []
     began = clock.monotonic() if clock is not None else 0.0
@@ -89,7 +109,9 @@ async def recover(database: Database, lease_s: float = LEASE_S, clock: ClockWatc
 
 
 async def sweep(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
-    """Queue open gradings without a job, remove workers unseen for an hour, and return the gradings queued."""
+    """Queue open gradings without a job, remove workers unseen for an hour,
+    and return the gradings queued.
+    """
     async with database.begin() as connection:
         if not (await connection.one(_TRY_LOCK)).locked:
             return []
@@ -121,7 +143,8 @@ DELETE FROM procrastinate_jobs WHERE id IN (
             SELECT FROM procrastinate_events e
             WHERE e.job_id = j.id AND e.type = 'started' AND {_RECENT.format("e.at", _SPAN)})
         AND NOT EXISTS (
-            SELECT FROM run WHERE run.grading_id = (j.args->>'attempt')::uuid AND run.end_reason IS DISTINCT FROM 'lost'
+            SELECT FROM run WHERE run.grading_id = (j.args->>'attempt')::uuid AND run.end_reason IS DISTINCT
+            FROM 'lost'
                 AND ({_RECENT.format("run.heartbeat_at", _SPAN)} OR {_RECENT.format("run.ended_at", _SPAN)}))
     FOR UPDATE OF j SKIP LOCKED
 ) RETURNING args->>'attempt' AS grading, task_name,
@@ -137,15 +160,18 @@ WHERE grading_id = :grading AND ended_at IS NULL AND NOT {_RECENT.format("heartb
 _ORPHANS = f"""
 SELECT DISTINCT grading_id FROM run LEFT JOIN result USING (grading_id)
 WHERE run.ended_at IS NULL AND result.grading_id IS NULL
-    AND NOT {_RECENT.format("heartbeat_at", _LEASE)} AND NOT {_RECENT.format("pg_postmaster_start_time()", _LEASE)}
-    AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade' AND j.args->>'attempt' = run.grading_id::text)
+    AND NOT {_RECENT.format("heartbeat_at", _LEASE)}
+    AND NOT {_RECENT.format("pg_postmaster_start_time()", _LEASE)}
+    AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade'
+    AND j.args->>'attempt' = run.grading_id::text)
 """
 
 _TRY_LOCK = "SELECT pg_try_advisory_xact_lock(2626) AS locked"
 
 _JOBLESS = f"""
 SELECT a.id FROM grading a LEFT JOIN result r ON r.grading_id = a.id
-WHERE r.grading_id IS NULL AND NOT {_RECENT.format("a.requested_at", "CAST(:after AS float)")} AND NOT EXISTS (
+WHERE r.grading_id IS NULL AND NOT {_RECENT.format("a.requested_at", "CAST(:after AS float)")}
+    AND NOT EXISTS (
     SELECT 1 FROM procrastinate_jobs j
     WHERE j.status IN ('todo', 'doing') AND j.task_name = 'grade' AND j.args->>'attempt' = a.id::text)
 ORDER BY a.requested_at

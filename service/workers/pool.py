@@ -22,7 +22,8 @@ log = logging.getLogger(__name__)
 SHORT_LIFE_S, LONGEST_PAUSE_S = 3.0, 5.0
 STOPS = (signal.SIGTERM, signal.SIGINT)
 SETTLE_S = 5.0  # added to the drain time
-MOST_YOUNG = 50_000  # objects between garbage collections, which otherwise take a tenth of a grading's time on the host
+# objects between garbage collections, which otherwise take a tenth of a grading's time on the host
+MOST_YOUNG = 50_000
 NICENESS = 10  # workers and guests yield to the web server and the database
 
 
@@ -65,7 +66,9 @@ class WorkerPool:
         self._stopping = True
 
     def _start(self, number: int) -> BaseProcess:
-        process = self._fork.Process(target=_work, args=(self._settings, os.getpid()), name=f"worker {number}")
+        process = self._fork.Process(
+            target=_work, args=(self._settings, os.getpid()), name=f"worker {number}"
+        )
         signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # until the new process has set its own handlers
         try:
             process.start()
@@ -86,7 +89,9 @@ class _WorkerProcess:
         if self.process is not None and not self.process.is_alive():
             log.warning("%s exited with code %s; restarting it", self.process.name, self.process.exitcode)
             self._early_ends = self._early_ends + 1 if now - self._since < SHORT_LIFE_S else 0
-            self._not_before = now + (min(LONGEST_PAUSE_S, 0.1 * 2**self._early_ends) if self._early_ends else 0.0)
+            self._not_before = now + (
+                min(LONGEST_PAUSE_S, 0.1 * 2**self._early_ends) if self._early_ends else 0.0
+            )
             self.process.close()
             self.process = None
         if self.process is None and now >= self._not_before:

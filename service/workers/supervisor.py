@@ -47,7 +47,9 @@ class Supervisor(threading.Thread):
             self.join()
 
     def find_loss(self) -> str | None:
-        """Return what is wrong with the folder of the embedded database, or None. May be called from any thread."""
+        """Return what is wrong with the folder of the embedded database, or None. May be called from any
+        thread.
+        """
         return self._database.find_loss() if self._database is not None else None
 
     def run(self) -> None:
@@ -88,8 +90,9 @@ class Supervisor(threading.Thread):
         if not self._lost and (loss := database.find_loss()):
             self._lost = True
             log.critical(
-                "the database is stopped and no submission is accepted, because in the folder %s %s: put the same folder back and "
-                "polhode continues; otherwise stop polhode, restore a backup with polhode db restore FILE, and start polhode again",
+                "the database is stopped and no submission is accepted, because in the folder %s %s: put the"
+                " same folder back and polhode continues; otherwise stop polhode, restore a backup with"
+                " polhode db restore FILE, and start polhode again",
                 self._settings.data.absolute(),
                 loss,
             )
@@ -103,7 +106,10 @@ class Supervisor(threading.Thread):
             database.restart()
 
     def _start_pool(self) -> "subprocess.Popen[bytes]":
-        environment = os.environ | {"POLHODE_DATABASE_URL": self.url, "POLHODE_LOG_LEVEL": self._settings.log_level}
+        environment = os.environ | {
+            "POLHODE_DATABASE_URL": self.url,
+            "POLHODE_LOG_LEVEL": self._settings.log_level,
+        }
         command = [sys.executable, "-m", "service.cli", "worker", "--with-parent", str(os.getpid())]
         return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL)
 

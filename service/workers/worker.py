@@ -1,7 +1,8 @@
 """A worker process: it takes jobs, grades them, and recovers gradings of lost workers.
 
 Grading runs in a thread that lives as long as the process, because a guest ends with the thread that started
-it, and the second child of a grading in another such thread. Meanwhile the event loop sends four heartbeats per lease.
+it, and the second child of a grading in another such thread. Meanwhile the event loop sends four heartbeats
+per lease.
 """
 
 import asyncio
@@ -45,10 +46,17 @@ class Worker:
     def __init__(self, settings: Settings, name: str) -> None:
         assert settings.database_url is not None
         self.name, self._settings, self._url = name, settings, settings.database_url
-        self._database = Database(self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait)
-        self._heartbeat_s, self._round_s = settings.lease / HEARTBEATS, min(LONGEST_ROUND_S, settings.lease / ROUNDS)
+        self._database = Database(
+            self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait
+        )
+        self._heartbeat_s, self._round_s = (
+            settings.lease / HEARTBEATS,
+            min(LONGEST_ROUND_S, settings.lease / ROUNDS),
+        )
         self._limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
-        self._longest_s = HOST_S + max(self._limits.at_least(known.cpu_s).wall_s for known in assignments().values())
+        self._longest_s = HOST_S + max(
+            self._limits.at_least(known.cpu_s).wall_s for known in assignments().values()
+        )
         self._grader: Grader | None = None
         self._thread = ThreadPoolExecutor(1)
         self._clock = workers.ClockWatch()
@@ -102,7 +110,9 @@ class Worker:
         """
         while not self._stopping.is_set():
             try:
-                isolation = await asyncio.to_thread(choose, self._settings.min_isolation, self._settings.allow_root_guest)
+                isolation = await asyncio.to_thread(
+                    choose, self._settings.min_isolation, self._settings.allow_root_guest
+                )
                 packages = sorted({name for known in assignments().values() for name in known.packages})
                 self._grader = Grader(WarmSandbox(with_packages(isolation, packages), self._limits))
                 await self._call(self._grader.ready)
@@ -153,14 +163,18 @@ class Worker:
                 self._grader.grade_and_pack,
                 claimed.submission, claimed.assignment, claimed.seed, claimed.exercises, self._set_progress,
             )  # fmt: skip
-            first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
+            first = await patiently(
+                partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S
+            )
             log.info("graded" if first else "superseded by another run")
         except Cancelled:
             log.info("stopped: the grading has a result already")
             await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
-            await patiently(partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S)
+            await patiently(
+                partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S
+            )
         finally:
             heartbeats.cancel()
             cancelled.clear()
@@ -179,7 +193,9 @@ class Worker:
         await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
 
     async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:
-        """Measure speed against accuracy in run ``number``. Return the artefacts of its result, or of its failure of any kind."""
+        """Measure speed against accuracy in run ``number``. Return the artefacts of its result, or of its
+        failure of any kind.
+        """
         try:
             assert self._grader is not None
             document, chart = await self._call(self._grader.sweep_and_draw, job.submission, job.assignment)
@@ -204,7 +220,11 @@ class Worker:
 
     async def _keep_house(self) -> None:
         """Register this worker regularly, and recover lost gradings."""
-        lease, register_every, sweep_every = self._settings.lease, round(REGISTER_S / self._round_s), round(SWEEP_S / self._round_s)
+        lease, register_every, sweep_every = (
+            self._settings.lease,
+            round(REGISTER_S / self._round_s),
+            round(SWEEP_S / self._round_s),
+        )
         for turn in range(1 << 62):
             with _suppress_outages():
                 if turn % register_every == 0:
@@ -238,7 +258,9 @@ class Worker:
         """Queue the unfinished grading again, unless the database does not answer: then its run is lost."""
         if self._claimed is not None:
             with _suppress_outages():
-                await asyncio.wait_for(runs.release(self._database, self._claimed, end_reason, note), RELEASE_S)
+                await asyncio.wait_for(
+                    runs.release(self._database, self._claimed, end_reason, note), RELEASE_S
+                )
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
         """Run in the grading thread. A thread that hangs can only be ended with its process."""

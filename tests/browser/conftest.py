@@ -1,4 +1,6 @@
-"""A real browser: Debian's Chromium, driven by playwright. What it says on its console as an error fails the test."""
+"""A real browser: Debian's Chromium, driven by playwright. What it says on its console as an error fails the
+test.
+"""
 
 import shutil
 
@@ -7,17 +9,25 @@ import pytest
 from tests.support.app import App
 from tests.support.database import entered
 
-ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 
 
 @pytest.fixture(scope="module")
 def browser():
-    """A Chromium for all tests of a module. While it is there this thread has a running event loop, which must not outlive the
-    module: ``asyncio.run`` refuses to work beside it."""
+    """A Chromium for all tests of a module. While it is there this thread has a running event loop, which
+    must not outlive the module: ``asyncio.run`` refuses to work beside it."""
     program = shutil.which("chromium")
     if program is None:
         pytest.skip("no chromium on this machine: apt-get install chromium")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed", exc_type=ImportError)
+    sync_api = pytest.importorskip(
+        "playwright.sync_api", reason="playwright is not installed", exc_type=ImportError
+    )
     with sync_api.sync_playwright() as playwright:
         started = playwright.chromium.launch(executable_path=program, args=[*ARGUMENTS, "--no-first-run"])
         yield started
@@ -26,10 +36,11 @@ def browser():
 
 @pytest.fixture
 def page(browser):
-    """``page(color_scheme=…, width=…, reduced_motion=…, …)`` opens a page in a context of its own, with playwright's options.
+    """``page(color_scheme=…, width=…, reduced_motion=…, …)`` opens a page in a context of its own, with
+    playwright's options.
 
-    At the end of the test no page may have had an error of a script, an error on its console or a violation of its CSP, but for
-    those whose words are in ``page.allowed``.
+    At the end of the test no page may have had an error of a script, an error on its console or a violation
+    of its CSP, but for those whose words are in ``page.allowed``.
     """
     contexts, errors = [], []
 
@@ -39,9 +50,12 @@ def page(browser):
         new = context.new_page()
         new.set_default_timeout(20_000)
         new.on("pageerror", lambda error: errors.append(f"{new.url}: {error}"))
-        new.on("console", lambda said: errors.append(f"{new.url}: {said.text}") if said.type == "error" else None)
+        new.on(
+            "console", lambda said: errors.append(f"{new.url}: {said.text}") if said.type == "error" else None
+        )
         new.add_init_script(
-            "addEventListener('securitypolicyviolation', e => console.error('CSP', e.violatedDirective, e.blockedURI))"
+            "addEventListener('securitypolicyviolation', e => console.error('CSP', e.violatedDirective,"
+            " e.blockedURI))"
         )
         return new
 
@@ -62,8 +76,8 @@ def application(url):
 
 @pytest.fixture
 def seen_by(page, application, url):
-    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in, also without
-    JavaScript."""
+    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in,
+    also without JavaScript."""
 
     def opened(name, role, path, *, javascript=True):
         new = page(java_script_enabled=javascript)

@@ -1,4 +1,6 @@
-"""Every page as axe sees it, in light and dark, wide and as a phone: nothing it objects to, nothing to push sideways."""
+"""Every page as axe sees it, in light and dark, wide and as a phone: nothing it objects to, nothing to push
+sideways.
+"""
 
 import json
 import urllib.request
@@ -39,7 +41,9 @@ def log_in(page, server, token):
 def test_axe_sees_what_is_wrong(page, server):
     page = page()
     page.goto(f"{server.url}/login")
-    page.evaluate("document.querySelector('main').innerHTML = '<p class=\"wide-one\"><img src=\"data:,\">x</p><input>'")
+    page.evaluate(
+        "document.querySelector('main').innerHTML = '<p class=\"wide-one\"><img src=\"data:,\">x</p><input>'"
+    )
     page.evaluate("document.querySelector('.wide-one').style.width = '2000px'")
     told = " ".join(wrong(page))
     assert "image-alt" in told and "label" in told and "px wide at 360 px" in told
@@ -52,7 +56,9 @@ def test_every_page(page, server, url, paths, scheme, name):
     page = page(color_scheme=scheme, reduced_motion="reduce")
     page.goto(f"{server.url}/login?next=/people")
     found = [*wrong(page)]
-    log_in(page, server, entered(url, name, {"prof": "instructor", "tutor": "assistant"}.get(name, "student")))
+    log_in(
+        page, server, entered(url, name, {"prof": "instructor", "tutor": "assistant"}.get(name, "student"))
+    )
     shown = {
         "prof": paths,
         "tutor": ("class", "students", "settings", "regrade", "failed", "requests"),
@@ -67,10 +73,17 @@ def test_every_page(page, server, url, paths, scheme, name):
 
 
 def test_every_route_that_answers_with_a_page_is_among_them(paths):
-    routes = [one for router in PAGES for one in router.routes if "GET" in one.methods and one.response_class is HTMLResponse]
+    routes = [
+        one
+        for router in PAGES
+        for one in router.routes
+        if "GET" in one.methods and one.response_class is HTMLResponse
+    ]
     looked_at = [urlsplit(path).path for path in paths.values()]
     assert len(routes) > 15
-    assert [one.path for one in routes if not any(map(one.path_regex.match, looked_at))] == [SAME_AS_SUBMISSION]
+    assert [one.path for one in routes if not any(map(one.path_regex.match, looked_at))] == [
+        SAME_AS_SUBMISSION
+    ]
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -117,6 +130,8 @@ def test_pages_that_answer_to_forms(page, server, url, paths, scheme, tmp_path):
 
 def _login_code(server):
     """Ask for a login as a notebook does."""
-    request = urllib.request.Request(f"{server.url}/v1/logins", b'{"label": "a notebook"}', {"Content-Type": "application/json"})
+    request = urllib.request.Request(
+        f"{server.url}/v1/logins", b'{"label": "a notebook"}', {"Content-Type": "application/json"}
+    )
     with urllib.request.urlopen(request, timeout=30) as answer:
         return json.load(answer)["user_code"]

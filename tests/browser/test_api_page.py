@@ -23,4 +23,6 @@ def test_the_page_needs_neither_javascript_nor_another_server(page, server):
     assert not operation.get_by_text("idempotency-key").is_visible()
     operation.locator("summary").click()
     operation.get_by_text("idempotency-key").wait_for()
-    assert {(one.scheme, one.netloc) for one in asked if one.scheme != "data"} == {("http", urlsplit(server.url).netloc)}
+    assert {(one.scheme, one.netloc) for one in asked if one.scheme != "data"} == {
+        ("http", urlsplit(server.url).netloc)
+    }

@@ -1,4 +1,6 @@
-"""The dashboard with real clicks and typing: three roles log in, an instructor goes through a class, the queue and a regrade."""
+"""The dashboard with real clicks and typing: three roles log in, an instructor goes through a class, the
+queue and a regrade.
+"""
 
 import csv
 import io
@@ -18,9 +20,19 @@ pytestmark = pytest.mark.slow  # test_pages.py has the way of each role in short
 BASE = "/assignments/rigid-body"
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 NOTHING = "def euler_eqs(t, w, I):\n    pass\n"
-LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n"
+LOOP = (
+    GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n")
+    + "calls = []\n"
+)
 OTHER = Diagnosis("cyclic-order", "ω̇₂ multiplies ω₁·ω₂ where ω₃·ω₁ belongs", 1.0)
-ROLES = {"prof": "instructor", "tutor": "assistant", "ann": "student", "ben": "student", "cleo": "student", "dan": "student"}
+ROLES = {
+    "prof": "instructor",
+    "tutor": "assistant",
+    "ann": "student",
+    "ben": "student",
+    "cleo": "student",
+    "dan": "student",
+}
 STUDENTS, SETTINGS = f"{BASE}/class/students", f"{BASE}/class/settings"
 STAFF_ONLY = (
     "/people",
@@ -47,10 +59,16 @@ def sent(url, tokens):
 
     async def fill(database):
         return {
-            "ann": await hand_in(database, "ann", {"2-energy": ("✗", 1e-3, SLIP), "2-momentum": "✓"}, source=GOOD),
+            "ann": await hand_in(
+                database, "ann", {"2-energy": ("✗", 1e-3, SLIP), "2-momentum": "✓"}, source=GOOD
+            ),
             "ben": await hand_in(database, "ben", {"2-energy": "✓", "2-momentum": "✓"}, source=GOOD),
-            "cleo": await hand_in(database, "cleo", {"2-energy": ("✗", 0.1, OTHER), "2-momentum": "⏱"}, source=GOOD),
-            "dan": await hand_in(database, "dan", {"2-energy": ("✗", 0.1, SLIP), "2-momentum": "✓"}, source=NOTHING),
+            "cleo": await hand_in(
+                database, "cleo", {"2-energy": ("✗", 0.1, OTHER), "2-momentum": "⏱"}, source=GOOD
+            ),
+            "dan": await hand_in(
+                database, "dan", {"2-energy": ("✗", 0.1, SLIP), "2-momentum": "✓"}, source=NOTHING
+            ),
         }
 
     return {name: str(id) for name, id in run(url, fill).items()}
@@ -67,7 +85,9 @@ def server(new_server, tmp_path_factory, url, sent):
 
 @pytest.fixture
 def seen_by(page, server, tokens):
-    """``seen_by("prof", "/people")`` is a page in a browser of their own, in which they have logged in by their token."""
+    """``seen_by("prof", "/people")`` is a page in a browser of their own, in which they have logged in by
+    their token.
+    """
 
     def opened(name, path="/"):
         new = page()
@@ -126,7 +146,10 @@ def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, nam
     page.get_by_label("Repeat new password").fill("another password")
     page.get_by_role("button", name="Save password").click()
     page.get_by_role("alert").get_by_text("passwords do not match").wait_for()
-    assert page.evaluate("document.activeElement.name") == "again" and page.get_by_label("New password (").input_value() == password
+    assert (
+        page.evaluate("document.activeElement.name") == "again"
+        and page.get_by_label("New password (").input_value() == password
+    )
     page.get_by_label("Repeat new password").fill(password)
     page.get_by_role("button", name="Save password").click()
     page.get_by_text("✓ Password saved. Other browsers are logged out.").wait_for()
@@ -138,7 +161,9 @@ def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, nam
     page.get_by_role("button", name="Log in").click()
     page.locator("nav .me").wait_for()
     shown = page.locator("nav a").all_inner_texts()
-    assert ("People" in shown) == (name != "ann") and shown[-1] == (name if name == "ann" else f"{name}, {ROLES[name]}")
+    assert ("People" in shown) == (name != "ann") and shown[-1] == (
+        name if name == "ann" else f"{name}, {ROLES[name]}"
+    )
     assert heading(page) == ("Assignments" if name == "ann" else "Course")
 
 
@@ -149,8 +174,13 @@ def test_a_wrong_password_is_told_at_the_form(page, server):
     page.get_by_label("Name").fill("ann")
     page.get_by_label("Password", exact=True).fill("not hers")
     page.get_by_role("button", name="Log in").click()
-    assert page.get_by_role("alert").inner_text().startswith("✗ ") and page.get_by_label("Name").input_value() == "ann"
-    assert page.get_by_label("Name").get_attribute("aria-describedby") == page.get_by_role("alert").get_attribute("id")
+    assert (
+        page.get_by_role("alert").inner_text().startswith("✗ ")
+        and page.get_by_label("Name").input_value() == "ann"
+    )
+    assert page.get_by_label("Name").get_attribute("aria-describedby") == page.get_by_role(
+        "alert"
+    ).get_attribute("id")
 
 
 def test_students_see_their_own_work_and_pages_that_say_no(seen_by, server, sent):
@@ -159,7 +189,9 @@ def test_students_see_their_own_work_and_pages_that_say_no(seen_by, server, sent
     for path in (*STAFF_ONLY, f"/submissions/{sent['ben']}", f"/submissions/{sent['ben']}/diff"):
         answer = page.goto(server.url + path)
         assert answer.status == 403 and heading(page) == "Permission denied", path
-        assert page.get_by_role("alert").inner_text() and "ben" not in page.locator("main").inner_text().split()
+        assert (
+            page.get_by_role("alert").inner_text() and "ben" not in page.locator("main").inner_text().split()
+        )
     page.get_by_role("link", name="Home").click()
     page.locator("table[data-rows] tbody a").first.click()
     assert page.url.endswith(sent["ann"]) and page.get_by_text("Override score").count() == 0
@@ -170,17 +202,26 @@ def test_assistants_see_everything_and_may_not_decide(seen_by, server, sent):
     page = seen_by("tutor")
     for path in (*STAFF_ONLY[:-1], f"/submissions/{sent['ben']}"):
         assert page.goto(server.url + path).status == 200, path
-        assert page.locator("form[action$='/rules'], form[action$='/overrides'], form[action='/people']").count() == 0
+        assert (
+            page.locator("form[action$='/rules'], form[action$='/overrides'], form[action='/people']").count()
+            == 0
+        )
     for path in ("/people", f"{BASE}/rules", f"{BASE}/extensions", f"/submissions/{sent['ben']}/overrides"):
         page.goto(f"{server.url}{BASE}/regrades")
         with page.expect_navigation() as going:  # the page's own form, sent elsewhere
-            page.evaluate("path => { const form = document.querySelector('main form'); form.action = path; form.submit(); }", path)
+            page.evaluate(
+                "path => { const form = document.querySelector('main form'); form.action = path;"
+                " form.submit(); }",
+                path,
+            )
         assert going.value.status == 403 and heading(page) == "Permission denied", path
 
 
 def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, server, tmp_path):
     prof, file = seen_by("prof", "/people"), tmp_path / "class.csv"
-    file.write_text("name,role,full_name,email,student_id\nzoe,student,Zoë Ågård,zoe@example.org,0042\nyan,former,,,\n")
+    file.write_text(
+        "name,role,full_name,email,student_id\nzoe,student,Zoë Ågård,zoe@example.org,0042\nyan,former,,,\n"
+    )
     prof.locator("summary", has_text="Import roster").click()
     prof.get_by_label("Roster file").set_input_files(file)
     prof.get_by_role("button", name="Preview import").click()
@@ -196,8 +237,13 @@ def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, ser
         prof.get_by_role("button", name="Import 2 people").click()
     given = dict(csv.reader(io.StringIO(coming.value.path().read_text())))
     assert set(given) == {"name", "zoe", "yan"}
-    prof.get_by_role("status").get_by_text("✓ Imported 2 people. The tokens are in the downloaded file.").wait_for()
-    assert not prof.get_by_text("Nothing is imported yet").count() and not prof.get_by_role("button", name="Import").count()
+    prof.get_by_role("status").get_by_text(
+        "✓ Imported 2 people. The tokens are in the downloaded file."
+    ).wait_for()
+    assert (
+        not prof.get_by_text("Nothing is imported yet").count()
+        and not prof.get_by_role("button", name="Import").count()
+    )
     log_in(page(), f"{server.url}{BASE}", token=given["zoe"])
 
 
@@ -215,16 +261,25 @@ def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(se
     page = seen_by("prof", f"{BASE}/class")
     page.get_by_role("link", name="Students", exact=True).click()
     page.locator("#heat").get_by_role("link", name="2-energy").click()
-    assert found(page).startswith("3 of ") and [row[:3] for row in rows(page, "#submissions")] == ["ann", "cle", "dan"]
+    assert found(page).startswith("3 of ") and [row[:3] for row in rows(page, "#submissions")] == [
+        "ann",
+        "cle",
+        "dan",
+    ]
     page.locator("#submissions tr", has_text="cleo").locator("a[data-main]").click()
-    assert page.url.endswith(f"/submissions/{sent['cleo']}#check-2-energy") and "By cleo" in page.locator("main").inner_text()
+    assert (
+        page.url.endswith(f"/submissions/{sent['cleo']}#check-2-energy")
+        and "By cleo" in page.locator("main").inner_text()
+    )
     page.get_by_role("link", name="Rigid", exact=False).first.click()
     page.locator("tr", has_text=OTHER.sentence).get_by_role("link", name="1 student").click()
     assert found(page).startswith("1 of ") and [row[:4] for row in rows(page, "#submissions")] == ["cleo"]
     page.set_viewport_size({"width": 390, "height": 900})
     page.go_back()
-    (links, cells) = (
-        page.locator(f"#causes tbody {cell}").evaluate_all("all => all.map(one => one.getBoundingClientRect())")
+    links, cells = (
+        page.locator(f"#causes tbody {cell}").evaluate_all(
+            "all => all.map(one => one.getBoundingClientRect())"
+        )
         for cell in ("th a", "td:nth-child(2)")
     )
     assert all(link["right"] <= cell["left"] for link, cell in zip(links, cells, strict=True)) and links
@@ -291,13 +346,19 @@ def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, ser
     prof.get_by_label("Check").select_option("2-energy")
     assert prof.get_by_label("Points of 1").get_attribute("max") == "1"
     prof.get_by_label("Points").fill("1")
-    prof.get_by_label("Reason (shown to the student)").fill("the sign convention was not told in the notebook")
+    prof.get_by_label("Reason (shown to the student)").fill(
+        "the sign convention was not told in the notebook"
+    )
     prof.get_by_role("button", name="Save override").click()
     prof.get_by_text("Override saved.").wait_for()
     assert "2 of 36 + 6 bonus (graded 1)" in prof.locator("#points").inner_text()
     ann.goto(f"{server.url}/submissions/{sent['ann']}")
     told = ann.locator("#points").inner_text()
-    assert "the sign convention was not told in the notebook" in told and "prof" in told and "2 of 36 + 6 bonus (graded 1)" in told
+    assert (
+        "the sign convention was not told in the notebook" in told
+        and "prof" in told
+        and "2 of 36 + 6 bonus (graded 1)" in told
+    )
     assert ann.locator("#points button").count() == 0
     prof.get_by_role("button", name="Withdraw the override of 2-energy").click()
     prof.get_by_text("Override withdrawn.").wait_for()
@@ -342,15 +403,23 @@ def test_every_export_is_downloaded_and_can_be_read(seen_by):
         with page.expect_download() as coming:
             page.get_by_role("link", name=link, exact=True).click()
         head, *lines = csv.reader(io.StringIO(coming.value.path().read_text("utf-8-sig"), newline=""))
-        assert coming.value.suggested_filename.endswith(".csv") and {len(line) for line in lines} == {len(head)}
+        assert coming.value.suggested_filename.endswith(".csv") and {len(line) for line in lines} == {
+            len(head)
+        }
         assert any("ann" in line for line in lines), link
     with page.expect_download() as coming:
         page.get_by_role("link", name="JSON").click()
-    assert {"ann", "ben"} <= {row["student"] for row in json.loads(coming.value.path().read_text())["students"]}
+    assert {"ann", "ben"} <= {
+        row["student"] for row in json.loads(coming.value.path().read_text())["students"]
+    }
     with page.expect_download() as coming:
         page.get_by_role("link", name="all data (zip)").click()
     with zipfile.ZipFile(coming.value.path()) as archive:
-        assert archive.testzip() is None and "rigid-body/grades.csv" in archive.namelist() and len(archive.namelist()) > 5
+        assert (
+            archive.testzip() is None
+            and "rigid-body/grades.csv" in archive.namelist()
+            and len(archive.namelist()) > 5
+        )
 
 
 # the second one when the answer to the first replaces the page

@@ -1,4 +1,6 @@
-"""A click path of feedback: a student requests a regrade, an assistant answers and comments on a line, the student reads both."""
+"""A click path of feedback: a student requests a regrade, an assistant answers and comments on a line, the
+student reads both.
+"""
 
 import pytest
 
@@ -29,7 +31,10 @@ def test_a_request_an_answer_and_a_comment(page, seen_by, application, url):
     comment.fill("w is not its derivative")
     tutor.get_by_role("button", name="Save comment").click()
     tutor.locator("#refused").wait_for()
-    assert "no line 7" in tutor.locator("#refused").inner_text() and comment.input_value() == "w is not its derivative"
+    assert (
+        "no line 7" in tutor.locator("#refused").inner_text()
+        and comment.input_value() == "w is not its derivative"
+    )
     line.fill("2")
     tutor.get_by_role("button", name="Save comment").click()
     tutor.locator("#line-1-2 + .comment").wait_for()
@@ -38,4 +43,7 @@ def test_a_request_an_answer_and_a_comment(page, seen_by, application, url):
     ann.goto(application.url + path)
     assert "Declined by tutor" in ann.locator("#regrade-requests").inner_text()
     assert "w is not its derivative" in ann.locator("#line-1-2 + .comment").inner_text()
-    assert not ann.get_by_role("button", name="Delete").count() and not ann.get_by_text("Comment on a line").count()
+    assert (
+        not ann.get_by_role("button", name="Delete").count()
+        and not ann.get_by_text("Comment on a line").count()
+    )

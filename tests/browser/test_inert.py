@@ -1,4 +1,6 @@
-"""Texts that would like to be more than text, in every field that takes one: on every page they are shown and do nothing."""
+"""Texts that would like to be more than text, in every field that takes one: on every page they are shown and
+do nothing.
+"""
 
 import json
 import urllib.parse
@@ -28,7 +30,9 @@ def server(url, paths):
 
 @pytest.fixture
 def looking(page, server, url):
-    """Log somebody in, with a browser that calls itself by the corpus, and open pages; what was asked by scripts is kept."""
+    """Log somebody in, with a browser that calls itself by the corpus, and open pages; what was asked by
+    scripts is kept.
+    """
 
     def opened(name, role):
         new = page(user_agent=f"Mozilla {TAGS}")
@@ -98,7 +102,9 @@ def test_what_a_form_was_sent_comes_back_as_text(looking, server, paths, tmp_pat
     for content in (f"name,role\nzoe,{TAGS}\n", f"name,{TAGS}\n", f'"{CORPUS}'):
         file.write_text(content)
         page.goto(server.url + paths["people"])
-        page.locator("summary", has_text="Import roster").click() if not page.get_by_label("Roster file").is_visible() else None
+        page.locator("summary", has_text="Import roster").click() if not page.get_by_label(
+            "Roster file"
+        ).is_visible() else None
         page.get_by_label("Roster file").set_input_files(file)
         page.get_by_role("button", name="Preview import").click()
         page.get_by_text("bad.csv").first.wait_for()
@@ -128,4 +134,6 @@ def test_a_name_that_reads_from_right_to_left_turns_nothing_around_it(looking, s
         range.setStart(p.lastChild, 1); range.setEnd(p.lastChild, 2);
         return range.getBoundingClientRect().left > b.getBoundingClientRect().right - 1;
     }"""
-    assert page.evaluate(order, "") and not page.evaluate(order, "normal"), "ours, and what it would be without"
+    assert page.evaluate(order, "") and not page.evaluate(order, "normal"), (
+        "ours, and what it would be without"
+    )

@@ -1,4 +1,6 @@
-"""The colours of a report in a notebook follow the front end's theme, and the system's where the front end names none."""
+"""The colours of a report in a notebook follow the front end's theme, and the system's where the front end
+names none.
+"""
 
 import pytest
 

@@ -19,7 +19,10 @@ WHERE a.slug = 'rigid-body' AND p.name ~ '^student-'
 @pytest.fixture(scope="module")
 def paths(url, sandbox):
     async def enroll(database):
-        class_list = [(f"student-{k}", "student", f"Student Number {k}", f"student-{k}@example.org", f"{k:06}") for k in range(500)]
+        class_list = [
+            (f"student-{k}", "student", f"Student Number {k}", f"student-{k}@example.org", f"{k:06}")
+            for k in range(500)
+        ]
         async with database.begin() as connection:
             await people.enroll(connection, class_list)
 
@@ -47,7 +50,10 @@ def test_no_page_weighs_more_than_150_kb(page, server, url, paths):
     network.send("Network.enable")
     network.send("Network.setCacheDisabled", {"cacheDisabled": True})
     network.on("Network.responseReceived", lambda event: kinds.update({event["requestId"]: event["type"]}))
-    network.on("Network.loadingFinished", lambda event: sizes.update({event["requestId"]: event["encodedDataLength"]}))
+    network.on(
+        "Network.loadingFinished",
+        lambda event: sizes.update({event["requestId"]: event["encodedDataLength"]}),
+    )
     for what, path in paths.items():
         kinds.clear()
         sizes.clear()

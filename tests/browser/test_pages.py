@@ -1,4 +1,6 @@
-"""A short way through the pages for each role, in one browser, in a course whose every text is hostile; the other files go on."""
+"""A short way through the pages for each role, in one browser, in a course whose every text is hostile; the
+other files go on.
+"""
 
 import re
 import uuid
@@ -22,7 +24,9 @@ STAFF_ONLY = ("/people", f"{BASE}/class", "/queue", f"{BASE}/regrades", "/audit"
 
 @pytest.fixture(scope="module")
 def paths(url, sandbox):
-    """Addresses of pages by what they show, ``moving`` among them: a motion of cleo, the equations of which are reversed."""
+    """Addresses of pages by what they show, ``moving`` among them: a motion of cleo, the equations of which
+    are reversed.
+    """
 
     async def moving(database):
         one = NewSubmission(uuid.uuid4(), "rigid-body", "cleo", Submission(REVERSED, "cleo.py"), ["2"], 7)
@@ -42,7 +46,9 @@ def server(url, paths):
 
 @pytest.fixture
 def seen_by(page, server, url):
-    """``seen_by("prof", "/people")`` is a page in a browser of their own, in which they have logged in by their token."""
+    """``seen_by("prof", "/people")`` is a page in a browser of their own, in which they have logged in by
+    their token.
+    """
 
     def opened(name, path="/"):
         new = page(reduced_motion="reduce", user_agent=f"Mozilla {TAGS}")
@@ -92,7 +98,9 @@ def test_a_student_sets_a_password_sees_a_motion_and_no_page_of_the_staff(seen_b
     canvas, slider = figure.locator("canvas"), figure.get_by_role("slider", name="Time")
     before = canvas.evaluate(PIXELS)
     slider.fill("10000")
-    assert canvas.evaluate(PIXELS) != before and re.match(r"10.00 s, [1-9]", figure.locator(".at").inner_text())
+    assert canvas.evaluate(PIXELS) != before and re.match(
+        r"10.00 s, [1-9]", figure.locator(".at").inner_text()
+    )
 
 
 @pytest.mark.slow
@@ -118,12 +126,18 @@ def test_an_assistant_filters_the_class_cancels_what_runs_and_may_not_decide(see
     for path in ("/people", f"{BASE}/rules"):
         show(page, f"{server.url}{BASE}/regrades")
         with page.expect_navigation() as going:  # the page's own form, sent elsewhere
-            page.evaluate("path => { const form = document.querySelector('main form'); form.action = path; form.submit(); }", path)
+            page.evaluate(
+                "path => { const form = document.querySelector('main form'); form.action = path;"
+                " form.submit(); }",
+                path,
+            )
         assert going.value.status == 403 and heading(page) == "Permission denied", path
 
 
 @pytest.mark.slow
-def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(seen_by, server, paths, tmp_path):
+def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(
+    seen_by, server, paths, tmp_path
+):
     page, file = seen_by("prof", "/people"), tmp_path / "class.csv"
     file.write_text("name,role,full_name\nzoe,student,Zoë Ågård\n")
     page.locator("summary", has_text="Import roster").click()
@@ -163,7 +177,9 @@ def test_axe_objects_to_nothing_and_pages_fit_a_phone(seen_by, page, server, pat
         show(shown, server.url + paths[what])
         found += wrong(shown)
     assert found == []
-    plain.evaluate("document.querySelector('main').innerHTML = '<p class=\"wide-one\"><img src=\"data:,\">x</p><input>'")
+    plain.evaluate(
+        "document.querySelector('main').innerHTML = '<p class=\"wide-one\"><img src=\"data:,\">x</p><input>'"
+    )
     plain.evaluate("document.querySelector('.wide-one').style.width = '2000px'")
     told = " ".join(wrong(plain, (360,)))
     assert "image-alt" in told and "label" in told and "px wide at 360 px" in told

@@ -18,7 +18,9 @@ BARE = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>bare
 def send(server, source, wait=60, exercises=("2",)):
     body = json.dumps({"source": source, "filename": "mine.py", "exercises": list(exercises)}).encode()
     headers = {"Content-Type": "application/json", "Prefer": f"wait={wait}"}
-    with urllib.request.urlopen(urllib.request.Request(server.url + SLUG, body, headers), timeout=90) as answer:
+    with urllib.request.urlopen(
+        urllib.request.Request(server.url + SLUG, body, headers), timeout=90
+    ) as answer:
         return json.loads(answer.read())
 
 
@@ -50,7 +52,10 @@ def stands(page, canvas):
 
 def bare(page, server, content):
     """A page of this content under our CSP, with our own script."""
-    page.route("**/bare", lambda route: route.fulfill(body=BARE % content, headers={**SECURE, "content-type": "text/html"}))
+    page.route(
+        "**/bare",
+        lambda route: route.fulfill(body=BARE % content, headers={**SECURE, "content-type": "text/html"}),
+    )
     page.goto(server.url + "/bare")
     page.locator("button.keys").wait_for()
 
@@ -95,7 +100,10 @@ def test_scrubbing_dragging_and_arrow_keys_change_the_picture(page, reversed_mot
     slider.fill("10000")
     changed()
     assert slider.get_attribute("aria-valuetext") == figure.locator(".at").inner_text()
-    assert figure.locator(".at").inner_text().startswith("10.00 s, ") and "0.0°" not in figure.locator(".at").inner_text()
+    assert (
+        figure.locator(".at").inner_text().startswith("10.00 s, ")
+        and "0.0°" not in figure.locator(".at").inner_text()
+    )
     slider.press("ArrowRight")
     assert slider.input_value() == "10001"
     box = canvas.bounding_box()
@@ -114,11 +122,15 @@ def test_scrubbing_dragging_and_arrow_keys_change_the_picture(page, reversed_mot
 def test_it_is_named_crisp_and_fits_a_phone_in_dark(page, reversed_motion):
     found = []
     for scheme in ("light", "dark"):
-        small = page(width=360, height=740, device_scale_factor=2, color_scheme=scheme, reduced_motion="reduce")
+        small = page(
+            width=360, height=740, device_scale_factor=2, color_scheme=scheme, reduced_motion="reduce"
+        )
         figure, canvas, _ = player(small, reversed_motion)
         assert small.evaluate("document.documentElement.scrollWidth") <= 360
         assert canvas.evaluate("c => c.width") == 2 * canvas.evaluate("c => c.clientWidth")
-        named = figure.get_by_role("img", name="The body in space, turned by your equations. Two boxes turning")
+        named = figure.get_by_role(
+            "img", name="The body in space, turned by your equations. Two boxes turning"
+        )
         assert named.count() == 1 and "Farthest apart at t =" in figure.locator("figcaption").inner_text()
         found.append(canvas.evaluate(PIXELS))
     assert found[0] != found[1]
@@ -127,7 +139,10 @@ def test_it_is_named_crisp_and_fits_a_phone_in_dark(page, reversed_motion):
 def test_without_scripts_figures_and_words_are_there_and_no_empty_player(page, reversed_motion):
     plain = page(java_script_enabled=False)
     plain.goto(reversed_motion)
-    assert not plain.locator("figure.motion").first.is_visible() and plain.locator("figure img").first.is_visible()
+    assert (
+        not plain.locator("figure.motion").first.is_visible()
+        and plain.locator("figure img").first.is_visible()
+    )
 
 
 def test_a_page_is_renewed_while_it_is_graded_without_being_loaded_again(page, server):
@@ -153,7 +168,9 @@ def test_what_is_focused_or_opened_stays_when_a_part_is_renewed_and_a_lost_conne
         if served:
             return route.abort()
         served.append(1)
-        route.fulfill(body="retry: 100\nevent: tick\ndata: 1\n\n", headers={"content-type": "text/event-stream"})
+        route.fulfill(
+            body="retry: 100\nevent: tick\ndata: 1\n\n", headers={"content-type": "text/event-stream"}
+        )
 
     looked = []
 
@@ -209,7 +226,10 @@ def test_enter_opens_a_row_and_a_letter_in_a_field_is_a_letter(page, server):
     assert page.locator("input").input_value() == "jo" and page.locator("tr:visible").count() == 0
     assert page.get_by_role("status").inner_text() == "0 of 3 rows"
     page.locator("input").fill("ZOE")
-    assert page.locator("tr:visible").all_inner_texts() == ["Zoë"] and page.get_by_role("status").inner_text() == "1 of 3 rows"
+    assert (
+        page.locator("tr:visible").all_inner_texts() == ["Zoë"]
+        and page.get_by_role("status").inner_text() == "1 of 3 rows"
+    )
     page.locator("input").fill("be")
     page.locator("input").blur()
     page.keyboard.press("j")
@@ -221,14 +241,26 @@ def test_enter_opens_a_row_and_a_letter_in_a_field_is_a_letter(page, server):
 def test_arrows_go_through_a_grid_cell_by_cell(page, server):
     page = page()
     cells = "".join(
-        f"<tr><th scope='row'>r{r}</th>" + "".join(f"<td><a href='#{r}{c}'>{r}{c}</a></td>" for c in "ab") + "</tr>" for r in "123"
+        f"<tr><th scope='row'>r{r}</th>"
+        + "".join(f"<td><a href='#{r}{c}'>{r}{c}</a></td>" for c in "ab")
+        + "</tr>"
+        for r in "123"
     )
     bare(page, server, f"<table data-grid><thead><tr><th>x</th></tr></thead><tbody>{cells}</tbody></table>")
     assert page.locator("[tabindex='0']").count() == 1
     page.keyboard.press("Tab")
     page.keyboard.press("Tab")
     told = []
-    for key in ("ArrowRight", "ArrowDown", "ArrowRight", "ArrowRight", "Home", "ArrowDown", "ArrowDown", "End"):
+    for key in (
+        "ArrowRight",
+        "ArrowDown",
+        "ArrowRight",
+        "ArrowRight",
+        "Home",
+        "ArrowDown",
+        "ArrowDown",
+        "End",
+    ):
         page.keyboard.press(key)
         told.append(focused(page))
     assert told == ["1a", "2a", "2b", "2b", "r2", "r3", "r3", "3b"]
@@ -259,9 +291,15 @@ def test_the_list_of_keys_opens_by_key_and_button_and_turns_them_off(page, serve
 def test_a_button_that_asks_first(page, server):
     page = page()
     asked, sent = [], []
-    page.route("**/sent", lambda route: (sent.append(route.request.post_data), route.fulfill(body="done", headers=SECURE))[0])
+    page.route(
+        "**/sent",
+        lambda route: (sent.append(route.request.post_data), route.fulfill(body="done", headers=SECURE))[0],
+    )
     bare(
-        page, server, '<form method="post" action="/sent"><button name="do" value="it" data-confirm="Really?">Do it</button></form>'
+        page,
+        server,
+        '<form method="post" action="/sent"><button name="do" value="it" data-confirm="Really?">Do'
+        " it</button></form>",
     )
 
     def answer(dialog):

@@ -1,4 +1,6 @@
-"""The page of a submission follows its grading, without a reload by hand, after an upload; the same file again asks first."""
+"""The page of a submission follows its grading, without a reload by hand, after an upload; the same file
+again asks first.
+"""
 
 import pytest
 
@@ -30,13 +32,17 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     claimed = claim(url, grading)
     run(url, lambda database: runs.heartbeat(database, claimed, "playing", 2, 5))
     page.get_by_text("Running scene 2 of 5.").wait_for()
-    assert page.locator(".announcement").inner_text() == "Submitted.", "the stream of events does not clear it"
+    assert page.locator(".announcement").inner_text() == "Submitted.", (
+        "the stream of events does not clear it"
+    )
     page.clock.fast_forward(11_000)
     assert not page.locator(".announcement").inner_text(), "it does not cover the report"
     assert page.get_by_role("progressbar").get_attribute("max") == "5"
     sql(url, "UPDATE run SET ended_at = now(), end_reason = 'lost'")
     run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
-    page.get_by_text("rotational energy conserved").wait_for(state="attached")  # folded, as its exercise passes
+    page.get_by_text("rotational energy conserved").wait_for(
+        state="attached"
+    )  # folded, as its exercise passes
     assert not page.locator("[data-progress]").count()
     page.goto(f"{application.url}/assignments/rigid-body")
     page.evaluate(DROP, [["a.py", ""], ["b.py", ""]])
@@ -46,7 +52,10 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     page.get_by_role("button", name="Submit").click()
     question = page.get_by_role("alert")
     assert "You submitted the same code on" in question.inner_text()
-    assert question.get_by_role("link", name="open its report").get_attribute("href") == f"/submissions/{submission}"
+    assert (
+        question.get_by_role("link", name="open its report").get_attribute("href")
+        == f"/submissions/{submission}"
+    )
     assert sql(url, "SELECT count(*) FROM submission") == [(1,)]
     page.get_by_role("button", name="Submit again").click()
     page.get_by_text("Queued, position").wait_for()

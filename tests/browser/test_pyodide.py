@@ -1,8 +1,10 @@
-"""The kit in real Pyodide, as JupyterLite runs it: in a web worker of another site, against a server with a worker.
+"""The kit in real Pyodide, as JupyterLite runs it: in a web worker of another site, against a server with a
+worker.
 
-npm's package has Python and its standard library. numpy and scipy for WebAssembly are in no package registry: Pyodide fetches them
-from its own site. POLHODE_PYODIDE names a folder with a complete Pyodide, in which ``ecp.check`` is tried too. Without it, modules
-stand in for numpy and scipy, of which ``ecp.submit`` needs little more than the names.
+npm's package has Python and its standard library. numpy and scipy for WebAssembly are in no package registry:
+Pyodide fetches them from its own site. POLHODE_PYODIDE names a folder with a complete Pyodide, in which
+``ecp.check`` is tried too. Without it, modules stand in for numpy and scipy, of which ``ecp.submit`` needs
+little more than the names.
 """
 
 import functools
@@ -51,7 +53,10 @@ STAND_IN = Path(__file__).parents[1] / "support" / "stand_in.py"
 class Site(http.server.SimpleHTTPRequestHandler):
     """Files of a folder, with the media types that a browser demands of modules."""
 
-    extensions_map = http.server.SimpleHTTPRequestHandler.extensions_map | {".mjs": "text/javascript", ".wasm": "application/wasm"}
+    extensions_map = http.server.SimpleHTTPRequestHandler.extensions_map | {
+        ".mjs": "text/javascript",
+        ".wasm": "application/wasm",
+    }
 
     def log_message(self, *_):
         pass
@@ -65,10 +70,14 @@ def pyodide(tmp_path_factory):
     if shutil.which("npm") is None:
         pytest.skip("no npm on this machine, from which Pyodide comes: apt-get install npm")
     folder = tmp_path_factory.mktemp("pyodide")
-    packed = subprocess.run(["npm", "pack", "--silent", PYODIDE], cwd=folder, capture_output=True, text=True, check=False)
+    packed = subprocess.run(
+        ["npm", "pack", "--silent", PYODIDE], cwd=folder, capture_output=True, text=True, check=False
+    )
     if packed.returncode:
         pytest.skip(f"npm cannot download {PYODIDE}: {packed.stderr[-200:]}")
-    subprocess.run(["tar", "-xzf", packed.stdout.split()[-1]], cwd=folder, check=True)  # tarfile has no filter before Python 3.11.4
+    subprocess.run(
+        ["tar", "-xzf", packed.stdout.split()[-1]], cwd=folder, check=True
+    )  # tarfile has no filter before Python 3.11.4
     return folder / "package", False
 
 
@@ -99,7 +108,9 @@ def server(new_server, tmp_path_factory, site):
 
 @pytest.fixture
 def python(page, site, server, pyodide):
-    """``python(code)`` runs code in the worker's Python, which has the kit, and returns the text of its last expression."""
+    """``python(code)`` runs code in the worker's Python, which has the kit, and returns the text of its last
+    expression.
+    """
     page = page()
     page.set_default_timeout(120_000)
     page.goto(site)

@@ -1,4 +1,6 @@
-"""A click path: an instructor holds scores back, sets the time zone, finds a student, writes a note, and releases the scores."""
+"""A click path: an instructor holds scores back, sets the time zone, finds a student, writes a note, and
+releases the scores.
+"""
 
 import pytest
 

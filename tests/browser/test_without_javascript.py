@@ -1,4 +1,6 @@
-"""Forms without JavaScript: a rejected form is shown again, with the reason beside its field and all that was typed."""
+"""Forms without JavaScript: a rejected form is shown again, with the reason beside its field and all that was
+typed.
+"""
 
 import functools
 
@@ -20,9 +22,7 @@ def visit(page, seen_by):
 
 @pytest.fixture
 def submission(url):
-    return (
-        f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗', '2-momentum': '✓', '2-motion': '✗'}))}"
-    )
+    return f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗', '2-momentum': '✓', '2-motion': '✗'}))}"
 
 
 def rejected(page, field, reason):
@@ -30,13 +30,18 @@ def rejected(page, field, reason):
     error = page.locator("#refused")
     assert reason in error.inner_text() and "<title>Error: " in page.content()
     assert error.is_visible() and 0 < error.bounding_box()["y"] < page.viewport_size["height"]
-    assert field.get_attribute("aria-invalid") == "true" and field.get_attribute("aria-describedby") == "refused"
+    assert (
+        field.get_attribute("aria-invalid") == "true" and field.get_attribute("aria-describedby") == "refused"
+    )
     assert page.locator(":focus").get_attribute("name") == field.get_attribute("name")
 
 
 def test_the_settings_of_the_course(visit):
     page = visit("prof", "instructor", "/settings")
-    zone, penalty = page.get_by_label("Time zone"), page.get_by_label("Percent of the points for each day late")
+    zone, penalty = (
+        page.get_by_label("Time zone"),
+        page.get_by_label("Percent of the points for each day late"),
+    )
     for name in ("Mars/Phobos", 'Nowhere"><b>'):  # the second time from the page that answered the first
         zone.fill(name)
         penalty.fill("12.5")
@@ -55,7 +60,11 @@ def test_the_settings_of_the_course(visit):
 
 def test_an_extension(visit, submission):
     page = visit("prof", "instructor", f"{CLASS}/settings")
-    name, due, reason = page.get_by_label("Name"), page.get_by_label("New deadline (UTC)"), page.get_by_label("Reason (required)")
+    name, due, reason = (
+        page.get_by_label("Name"),
+        page.get_by_label("New deadline (UTC)"),
+        page.get_by_label("Reason (required)"),
+    )
     name.fill("nobody of that name")
     due.fill("2099-03-07T12:30")
     reason.fill("was <ill> for a week")
@@ -70,13 +79,21 @@ def test_an_extension(visit, submission):
 def test_an_override(visit, submission):
     page = visit("prof", "instructor", submission)
     page.get_by_text("Override score").click()
-    check, points, reason = page.get_by_label("Check"), page.get_by_label("Points"), page.get_by_label("Reason (shown")
+    check, points, reason = (
+        page.get_by_label("Check"),
+        page.get_by_label("Points"),
+        page.get_by_label("Reason (shown"),
+    )
     check.select_option("2-energy")
     points.fill("1.5")
     reason.fill("the unit\nis right")
     page.get_by_role("button", name="Save override").click()
     rejected(page, points, "2-energy")
-    assert (check.input_value(), points.input_value(), reason.input_value()) == ("2-energy", "1.5", "the unit\nis right")
+    assert (check.input_value(), points.input_value(), reason.input_value()) == (
+        "2-energy",
+        "1.5",
+        "the unit\nis right",
+    )
     points.fill("0.5")
     page.get_by_role("button", name="Save override").click()
     page.wait_for_url(f"**{submission}#points")

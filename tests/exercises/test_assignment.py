@@ -29,7 +29,9 @@ def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch):
 
 
 def test_all_errors_of_a_declaration_come_at_once(rigid_body):
-    bad = close("2-energy", "a   b", "nowhere", measured=lambda s: s, expected=0.0, rtol=-1.0, atol=0.0, reason=" ")
+    bad = close(
+        "2-energy", "a   b", "nowhere", measured=lambda s: s, expected=0.0, rtol=-1.0, atol=0.0, reason=" "
+    )
     broken = dataclasses.replace(rigid_body.scenes[-1], after="unknown")
     declared = dataclasses.replace(
         rigid_body,
@@ -52,7 +54,12 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body):
 
 
 def test_the_notebooks_nine_lines_are_there_with_their_labels(rigid_body):
-    labels = [c.label for e in rigid_body.exercises for c in e.checks if c.tolerance.reason == "the notebook's own tolerance"]
+    labels = [
+        c.label
+        for e in rigid_body.exercises
+        for c in e.checks
+        if c.tolerance.reason == "the notebook's own tolerance"
+    ]
     assert len(labels) == 8  # the ninth, on stability, has no tolerance of its own
     for label in (
         "principal moments match the analytic box result",
@@ -64,7 +71,9 @@ def test_the_notebooks_nine_lines_are_there_with_their_labels(rigid_body):
 
 
 def test_every_exercise_has_a_check_against_the_reference(rigid_body):
-    """Answered with the truth of another situation, some check of each exercise must fail: it does read the reference."""
+    """Answered with the truth of another situation, some check of each exercise must fail: it does read the
+    reference.
+    """
     against = {"1-boxes", "2-motion", "3-about-3", "4-motion", "5-growth", "6-attitude"}
     for exercise in rigid_body.exercises:
         assert against & {c.id for c in exercise.checks}, exercise.number

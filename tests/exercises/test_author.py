@@ -7,7 +7,9 @@ from exercises.author import Tolerance, with_ends
 from exercises.kinds.values import values
 
 
-@pytest.mark.parametrize(("draw", "middle"), [(with_ends(-2.0, 8.0), 3.0), (with_ends(0.05, 32.0, log=True), np.sqrt(1.6))])
+@pytest.mark.parametrize(
+    ("draw", "middle"), [(with_ends(-2.0, 8.0), 3.0), (with_ends(0.05, 32.0, log=True), np.sqrt(1.6))]
+)
 def test_an_ended_draw_has_each_end_in_a_fifth_of_cases(draw, middle):
     rng = np.random.default_rng(1)
     drawn = np.array([draw(rng) for _ in range(4000)])
@@ -22,5 +24,7 @@ def test_a_draw_that_takes_row_gets_the_number_of_the_input():
     def doubled(x):
         return 2 * x
 
-    question = values(doubled, {"x": lambda rng, row: row + rng.uniform(0, 0.5)}, Tolerance(atol=0, reason="exact"))
+    question = values(
+        doubled, {"x": lambda rng, row: row + rng.uniform(0, 0.5)}, Tolerance(atol=0, reason="exact")
+    )
     np.testing.assert_array_equal(np.floor(question.draw(np.random.default_rng(1), 5)["x"]), np.arange(5))

@@ -24,18 +24,44 @@ def test_the_setup_runs_before_a_submission_in_the_sandbox(tmp_path, sandbox):
 @pytest.mark.parametrize(
     ("cells", "expected"),
     [
-        ([Cell("code", "a = 1"), Cell("markdown", "## 0. Setup"), Cell("code", "b = 1"), Cell("markdown", "## Next")], "b = 1"),
         (
-            [Cell("markdown", "### Setup:"), Cell("code", "a = 1"), Cell("markdown", "#### More"), Cell("code", "b = 1")],
+            [
+                Cell("code", "a = 1"),
+                Cell("markdown", "## 0. Setup"),
+                Cell("code", "b = 1"),
+                Cell("markdown", "## Next"),
+            ],
+            "b = 1",
+        ),
+        (
+            [
+                Cell("markdown", "### Setup:"),
+                Cell("code", "a = 1"),
+                Cell("markdown", "#### More"),
+                Cell("code", "b = 1"),
+            ],
             "a = 1\n\nb = 1",
         ),
         (
-            [Cell("markdown", "# Setup"), Cell("code", "a = 1"), Cell("code", "def speed(): return 1"), Cell("code", "b = 1")],
+            [
+                Cell("markdown", "# Setup"),
+                Cell("code", "a = 1"),
+                Cell("code", "def speed(): return 1"),
+                Cell("code", "b = 1"),
+            ],
             "a = 1",
         ),
         ([Cell("code", "a = 1"), Cell("code", "b = 2", tags=("solution",)), Cell("code", "c = 3")], "a = 1"),
         ([Cell("code", "a = 1"), Cell("code", "if True:\n    speed = 2")], "a = 1"),
-        ([Cell("markdown", "```\n# Setup\n```"), Cell("code", "a = 1"), Cell("raw", "text"), Cell("code", "%%bash\nls")], "a = 1"),
+        (
+            [
+                Cell("markdown", "```\n# Setup\n```"),
+                Cell("code", "a = 1"),
+                Cell("raw", "text"),
+                Cell("code", "%%bash\nls"),
+            ],
+            "a = 1",
+        ),
         ([Cell("markdown", "## The experimental setup"), Cell("code", "a = 1")], "a = 1"),
         (
             [Cell("markdown", "## Setup"), Cell("code", "%%time\nfiles = !ls\n%pip install x\nb = 1")],
@@ -44,27 +70,45 @@ def test_the_setup_runs_before_a_submission_in_the_sandbox(tmp_path, sandbox):
     ],
 )
 def test_the_setup_is_the_code_below_its_heading_or_before_the_first_solution(cells, expected):
-    assert setup([*cells, Cell("code", "def height(): return 1"), Cell("code", "z = 1")], NAMES).strip() == expected
+    assert (
+        setup([*cells, Cell("code", "def height(): return 1"), Cell("code", "z = 1")], NAMES).strip()
+        == expected
+    )
 
 
 @pytest.mark.parametrize(
     ("spoil", "errors"),
     [
         (lambda folder: (folder / "fall.ipynb").unlink(), ["fall.ipynb is missing"]),
-        (lambda folder: (folder / "fall.ipynb").write_bytes(b"\xff"), ["fall.ipynb cannot be read as UTF-8 text"]),
+        (
+            lambda folder: (folder / "fall.ipynb").write_bytes(b"\xff"),
+            ["fall.ipynb cannot be read as UTF-8 text"],
+        ),
         (
             lambda folder: (folder / "fall.ipynb").write_text("{"),
             ["fall.ipynb is not a Jupyter notebook (format 4): save it again"],
         ),
-        (lambda folder: (folder / "fall.ipynb").write_text('{"worksheets": []}'), ["fall.ipynb is not a Jupyter notebook"]),
-        (lambda folder: (folder / "fall.ipynb").write_text('{"cells": []}'), ["fall.ipynb has no code cells"]),
-        (lambda folder: change(folder / "fall.ipynb", "def height", "def hight"), ["fall.ipynb: no cell defines height"]),
+        (
+            lambda folder: (folder / "fall.ipynb").write_text('{"worksheets": []}'),
+            ["fall.ipynb is not a Jupyter notebook"],
+        ),
+        (
+            lambda folder: (folder / "fall.ipynb").write_text('{"cells": []}'),
+            ["fall.ipynb has no code cells"],
+        ),
+        (
+            lambda folder: change(folder / "fall.ipynb", "def height", "def hight"),
+            ["fall.ipynb: no cell defines height"],
+        ),
         (
             lambda folder: (
                 change(folder / "fall.ipynb", "h - g", "h -* g"),
                 change(folder / "fall.ipynb", "def speed", "def sped"),
             ),
-            ["fall.ipynb: code cell 5 is not valid Python: line 2: invalid syntax", "fall.ipynb: no cell defines speed"],
+            [
+                "fall.ipynb: code cell 5 is not valid Python: line 2: invalid syntax",
+                "fall.ipynb: no cell defines speed",
+            ],
         ),
         (
             lambda folder: (

@@ -1,4 +1,6 @@
-"""Assignments that lie elsewhere, and broken ones: each tells all that is wrong with it and costs no other."""
+"""Assignments that lie elsewhere, and broken ones: each tells all that is wrong with it and costs no
+other.
+"""
 
 import subprocess
 import sys
@@ -35,8 +37,13 @@ def test_a_course_names_its_assignments_in_order(tmp_path, monkeypatch):
 
 
 def test_one_assignment_is_found_without_loading_the_others():
-    code = "import sys; from exercises.catalogue import find; find('rigid-body'); print(*(name for name in sys.modules))"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    code = (
+        "import sys; from exercises.catalogue import find; find('rigid-body'); print(*(name for name in"
+        " sys.modules))"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
     assert "exercises.rigid_body.assignment" in loaded and "sympy" not in loaded
 
 
@@ -69,9 +76,18 @@ BROKEN = [
     ),
     (incomplete, ["causes.py line 2: invalid syntax", "truth.py"]),
     (raising, ["scenes.py line 15: ZeroDivisionError: division by zero"]),
-    (lambda folder: change(folder / "causes.py", "import numpy as np", "import nunpy as np"), ["causes.py line 5", "nunpy"]),
-    (lambda folder: (folder / "assignment.py").write_text("notebook = 'x'"), ["assignment.py makes 0 notebooks; it must make one"]),
-    (lambda folder: (folder / "assignment.py").write_text("raise SystemExit(0)"), ["assignment.py line 1: SystemExit"]),
+    (
+        lambda folder: change(folder / "causes.py", "import numpy as np", "import nunpy as np"),
+        ["causes.py line 5", "nunpy"],
+    ),
+    (
+        lambda folder: (folder / "assignment.py").write_text("notebook = 'x'"),
+        ["assignment.py makes 0 notebooks; it must make one"],
+    ),
+    (
+        lambda folder: (folder / "assignment.py").write_text("raise SystemExit(0)"),
+        ["assignment.py line 1: SystemExit"],
+    ),
 ]
 
 
@@ -104,7 +120,12 @@ def test_a_folder_that_is_not_there_or_no_package(tmp_path):
     (tmp_path / "Two-Words" / "assignment.py").rename(tmp_path / "Two-Words" / "declaration.py")
     with known(tmp_path / "Two-Words") as found:
         assert "assignment.py is missing" in str(found.invalid["Two-Words"])
-    with known(), pytest.raises(NoAssignment, match=r"no assignment knitting; known: rigid-body; .* in POLHODE_ASSIGNMENTS"):
+    with (
+        known(),
+        pytest.raises(
+            NoAssignment, match=r"no assignment knitting; known: rigid-body; .* in POLHODE_ASSIGNMENTS"
+        ),
+    ):
         find("knitting")
 
 

@@ -1,4 +1,6 @@
-"""The bundled assignment coupled-oscillators: its truths against 60-digit numbers of other methods, and other right answers."""
+"""The bundled assignment coupled-oscillators: its truths against 60-digit numbers of other methods, and other
+right answers.
+"""
 
 import functools
 
@@ -22,7 +24,9 @@ def rows_of(toolbox, id, rows=6):
     """The question with that id, its drawn inputs, and its exact values."""
     question = next(q for q in toolbox.notebook.questions() if q.id == id)
     drawn = question.draw(np.random.default_rng(23), rows)
-    return [dict(zip(drawn, row, strict=True)) for row in zip(*drawn.values(), strict=True)], question.exact(drawn)
+    return [dict(zip(drawn, row, strict=True)) for row in zip(*drawn.values(), strict=True)], question.exact(
+        drawn
+    )
 
 
 def to_60_digits(test):
@@ -77,13 +81,19 @@ def test_the_normal_modes_solve_their_equation(coupled):
 @to_60_digits
 def test_the_modes_of_the_triangle_are_those_of_its_energy(coupled):
     rows, exact = rows_of(coupled, "3", 2)
-    corners = [(mpmath.cospi(angle / mpmath.mpf(6)), mpmath.sinpi(angle / mpmath.mpf(6))) for angle in (3, 7, 11)]
+    corners = [
+        (mpmath.cospi(angle / mpmath.mpf(6)), mpmath.sinpi(angle / mpmath.mpf(6))) for angle in (3, 7, 11)
+    ]
     for number, row in enumerate(rows):
         D = mpmath.zeros(6)
         for i, j in [(0, 1), (0, 2), (1, 2)]:
             apart = [(a - b) / mpmath.sqrt(3) for a, b in zip(corners[i], corners[j], strict=True)]
             stretch = mpmath.zeros(6, 1)
-            stretch[2 * i], stretch[2 * i + 1], stretch[2 * j], stretch[2 * j + 1] = *apart, -apart[0], -apart[1]
+            stretch[2 * i], stretch[2 * i + 1], stretch[2 * j], stretch[2 * j + 1] = (
+                *apart,
+                -apart[0],
+                -apart[1],
+            )
             D += mpmath.mpf(float(row["k"])) / mpmath.mpf(float(row["m"])) * stretch * stretch.T
         squares, U = mpmath.eigsy(D)
         close(exact["omega"][number], np.sqrt(np.abs(np.array(squares.tolist(), dtype=float)))[:, 0], 1e-14)
@@ -101,7 +111,10 @@ def test_the_motion_is_the_sum_of_precise_modes(coupled):
         squares, U = mpmath.eigsy(root * mpmath.matrix(row["K"].tolist()) * root)
         omega, X = [mpmath.sqrt(one) for one in squares], root * U
         a, b = (X.T * mpmath.diag(m) * mpmath.matrix(row[name].tolist()) for name in ("x0", "v0"))
-        at = [[a[j] * mpmath.cos(w * t) + b[j] / w * mpmath.sin(w * t) for t in row["t"]] for j, w in enumerate(omega)]
+        at = [
+            [a[j] * mpmath.cos(w * t) + b[j] / w * mpmath.sin(w * t) for t in row["t"]]
+            for j, w in enumerate(omega)
+        ]
         close(x, array(X * mpmath.matrix(at)), 1e-12)
 
 
@@ -120,7 +133,9 @@ def test_the_waves_on_a_chain_are_those_of_a_ring(coupled):
     for row, omega in zip(rows, exact["value"], strict=True):
         for q, w in zip(row["q"], omega, strict=True):
             at = [mpmath.expj(mpmath.mpf(float(q)) * n) for n in range(-2, 3)]
-            force = float(row["A"]) * (at[3] - 2 * at[2] + at[1]) + float(row["B"]) * (at[4] - 2 * at[2] + at[0])
+            force = float(row["A"]) * (at[3] - 2 * at[2] + at[1]) + float(row["B"]) * (
+                at[4] - 2 * at[2] + at[0]
+            )
             close(w, float(mpmath.sqrt(-force.real)), 1e-13)
     rows, exact = rows_of(coupled, "6-branches")
     for row, *found in zip(rows, exact["acoustic"], exact["optical"], strict=True):
@@ -128,7 +143,9 @@ def test_the_waves_on_a_chain_are_those_of_a_ring(coupled):
         for q, *pair in zip(row["q"], *found, strict=True):
             cos = mpmath.cos(d * mpmath.mpf(float(q)))
             # the determinant of (2C − mω²)(2C − Mω²) − 4C² cos²(qd), a polynomial in ω²
-            squares = mpmath.polyroots([m * M, -2 * C * (m + M), 4 * C**2 * (1 - cos**2)], maxsteps=200, extraprec=200)
+            squares = mpmath.polyroots(
+                [m * M, -2 * C * (m + M), 4 * C**2 * (1 - cos**2)], maxsteps=200, extraprec=200
+            )
             close(pair, np.sqrt(np.sort([float(one.real) for one in squares])), 1e-12)
 
 
@@ -167,7 +184,8 @@ def test_the_data_are_those_of_the_stated_seed():
 
 
 RIGHT = {
-    "chain_stiffness, a loop over springs, as lists": """
+    "chain_stiffness, a loop over springs, as lists": (
+        """
 def chain_stiffness(k):
     n = len(k) - 1
     K = [[0] * n for _ in range(n)]
@@ -176,15 +194,19 @@ def chain_stiffness(k):
         if j + 1 < n:
             K[j][j + 1] = K[j + 1][j] = -k[j + 1]
     return K
-""",
-    "normal_modes, by a general routine": """
+"""
+    ),
+    "normal_modes, by a general routine": (
+        """
 def normal_modes(m, K):
     squares, X = np.linalg.eig(np.linalg.solve(np.diag(m), K))
     order = np.argsort(squares)
     X = X[:, order] / np.sqrt(np.einsum("ij,i,ij->j", X[:, order], m, X[:, order]))
     return [squares[order] ** 0.5, -X]
-""",
-    "triangle_modes, by hand in another basis": """
+"""
+    ),
+    "triangle_modes, by hand in another basis": (
+        """
 def triangle_modes(m, k):
     c, s = np.cos(np.radians([90, 210, 330])), np.sin(np.radians([90, 210, 330]))
     o, n = np.ones(3), np.zeros(3)
@@ -194,8 +216,10 @@ def triangle_modes(m, k):
     X = np.array([np.stack(one, axis=1).ravel() for one in [*rigid, *pair, breathing]]).T
     w = [0, 0, 0, (1.5 * k / m) ** 0.5, (1.5 * k / m) ** 0.5, (3 * k / m) ** 0.5]
     return w, X / np.linalg.norm(X, axis=0)
-""",
-    "triangle_modes, by singular values": """
+"""
+    ),
+    "triangle_modes, by singular values": (
+        """
 def triangle_modes(m, k):
     at = np.array([[0, 1], [-3**0.5 / 2, -0.5], [3**0.5 / 2, -0.5]])
     rows = np.zeros((3, 3, 2))
@@ -204,37 +228,49 @@ def triangle_modes(m, k):
         rows[r, i], rows[r, j] = n, -n
     _, s, V = np.linalg.svd(rows.reshape(3, 6))
     return np.append([0.0, 0, 0], s[::-1] * (k / m) ** 0.5), V[::-1].T
-""",
-    "motion, by a solver": """
+"""
+    ),
+    "motion, by a solver": (
+        """
 from scipy.integrate import solve_ivp
 def motion(t, m, K, x0, v0):
     rates = lambda t, y: np.append(y[len(m):], -K @ y[:len(m)] / m)
     return solve_ivp(rates, (0, t[-1]), np.append(x0, v0), t_eval=t, rtol=1e-10, atol=1e-10).y[: len(m)]
-""",
-    "beat_time, by logarithms": """
+"""
+    ),
+    "beat_time, by logarithms": (
+        """
 def beat_time(w0, kappa):
     return np.pi / (w0 * np.expm1(0.5 * np.log1p(2 * kappa / w0**2)))
-""",
-    "beat_time, in decimals": """
+"""
+    ),
+    "beat_time, in decimals": (
+        """
 from decimal import Decimal, getcontext
 def beat_time(w0, kappa):
     getcontext().prec = 40
     w, c = Decimal(w0), Decimal(kappa)
     return np.pi / float((w * w + 2 * c).sqrt() - w)
-""",
-    "chain_frequency, a loop": """
+"""
+    ),
+    "chain_frequency, a loop": (
+        """
 def chain_frequency(q, A, B):
     return [(2 * A * (1 - np.cos(one)) + 2 * B * (1 - np.cos(2 * one))) ** 0.5 for one in q]
-""",
-    "branches, by eigenvalues": """
+"""
+    ),
+    "branches, by eigenvalues": (
+        """
 def branches(q, d, C, m, M):
     found = []
     for one in q:
         z = 1 + np.exp(-2j * one * d)
         found.append(np.sort(np.linalg.eigvals([[2 * C / m, -C * z / m], [-C * np.conj(z) / M, 2 * C / M]]).real))
     return np.sqrt(found).T
-""",
-    "fit_dispersion, by Gauss and Newton": """
+"""
+    ),
+    "fit_dispersion, by Gauss and Newton": (
+        """
 def fit_dispersion(q, omega, sigma):
     p, f = np.array([45.0, 5.0]), np.stack([np.sin(q / 2) ** 2, np.sin(q) ** 2])
     for _ in range(20):
@@ -242,20 +278,25 @@ def fit_dispersion(q, omega, sigma):
         J = (2 * f / w / sigma).T
         p = p + np.linalg.lstsq(J, (omega - w) / sigma, rcond=None)[0]
     return p, np.linalg.inv(J.T @ J)
-""",
-    "fit_dispersion, by least_squares": """
+"""
+    ),
+    "fit_dispersion, by least_squares": (
+        """
 from scipy.optimize import least_squares
 def fit_dispersion(q, omega, sigma):
     r = lambda p: (2 * np.sqrt(p[0] * np.sin(q / 2) ** 2 + p[1] * np.sin(q) ** 2) - omega) / sigma
     found = least_squares(r, [40, 4])
     return list(found.x), np.linalg.inv(found.jac.T @ found.jac)
-""",
-    "fit_dispersion, with a start of its own": """
+"""
+    ),
+    "fit_dispersion, with a start of its own": (
+        """
 from scipy.optimize import curve_fit
 def fit_dispersion(q, omega, sigma):
     model = lambda q, A, B: 2 * np.sqrt(A * np.sin(q / 2) ** 2 + B * np.sin(q) ** 2)
     return curve_fit(model, q, omega, p0=[30, 9], sigma=sigma, absolute_sigma=True, method="trf")
-""",
+"""
+    ),
 }
 
 
@@ -269,80 +310,104 @@ def test_other_right_answers_pass(coupled, name):
 
 TRIDIAGONAL = "K = np.triu(np.tril(K, 1), -1)"
 WRONG = {
-    "chain_stiffness, of six masses at most": """
+    "chain_stiffness, of six masses at most": (
+        """
 def chain_stiffness(k):
     n = len(k) - 1
     k = np.append(k[:7], np.zeros(30))[: n + 1]
     return np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
-""",
-    "normal_modes, of four masses": """
+"""
+    ),
+    "normal_modes, of four masses": (
+        """
 def normal_modes(m, K):
     n = len(m)
     if n != 4:
         m, K = np.ones(n), np.eye(n)
     squares, U = np.linalg.eigh(K / np.sqrt(np.outer(m, m)))
     return np.sqrt(squares), U / np.sqrt(m)[:, None]
-""",
-    "motion, of four masses": """
+"""
+    ),
+    "motion, of four masses": (
+        """
 def motion(t, m, K, x0, v0):
     squares, U = np.linalg.eigh(K / np.sqrt(np.outer(m, m)))
     w, X = np.sqrt(squares), U / np.sqrt(m)[:, None]
     a, b = (X.T * m)[:4] @ x0, (X.T * m)[:4] @ v0 / w[:4]
     return X[:, :4] @ (a[:, None] * np.cos(np.outer(w[:4], t)) + b[:, None] * np.sin(np.outer(w[:4], t)))
-""",
-    "fit_dispersion, with the errors of the file": """
+"""
+    ),
+    "fit_dispersion, with the errors of the file": (
+        """
 from scipy.optimize import curve_fit
 def fit_dispersion(q, omega, sigma):
     model = lambda q, A, B: 2 * np.sqrt(A * np.sin(q / 2) ** 2 + B * np.sin(q) ** 2)
     return curve_fit(model, q, omega, p0=[45, 5], sigma=0.05 + 0.01 * omega, absolute_sigma=True)
-""",
-    "chain_stiffness, for three masses or more": """
+"""
+    ),
+    "chain_stiffness, for three masses or more": (
+        """
 def chain_stiffness(k):
     if len(k) == 3:
         return np.diag(k[:-1] + k[1:])
     return np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
-""",
-    "normal_modes, of neighbours alone": f"""
+"""
+    ),
+    "normal_modes, of neighbours alone": (
+        f"""
 def normal_modes(m, K):
     {TRIDIAGONAL}
     squares, U = np.linalg.eigh(K / np.sqrt(np.outer(m, m)))
     return np.sqrt(np.abs(squares)), U / np.sqrt(m)[:, None]
-""",
-    "motion, of neighbours alone": f"""
+"""
+    ),
+    "motion, of neighbours alone": (
+        f"""
 def motion(t, m, K, x0, v0):
     {TRIDIAGONAL}
     squares, U = np.linalg.eigh(K / np.sqrt(np.outer(m, m)))
     w, X = np.sqrt(np.abs(squares)), U / np.sqrt(m)[:, None]
     a, b = X.T @ (m * x0), X.T @ (m * v0) / w
     return X @ (a[:, None] * np.cos(np.outer(w, t)) + b[:, None] * np.sin(np.outer(w, t)))
-""",
-    "beat_time, a series": """
+"""
+    ),
+    "beat_time, a series": (
+        """
 def beat_time(w0, kappa):
     x = kappa / w0**2
     return np.pi * w0 / kappa * (1 + x / 2 - x**2 / 4 + x**3 / 4)
-""",
-    "beat_time, a series for large couplings": """
+"""
+    ),
+    "beat_time, a series for large couplings": (
+        """
 def beat_time(w0, kappa):
     if kappa < 0.1:
         return np.pi * (np.sqrt(w0**2 + 2 * kappa) + w0) / (2 * kappa)
     return np.pi * w0 / kappa * (1 + kappa / (2 * w0**2))
-""",
-    "beat_time, which ends before the smallest coupling": """
+"""
+    ),
+    "beat_time, which ends before the smallest coupling": (
+        """
 def beat_time(w0, kappa):
     kappa = max(kappa, 2e-12)
     return np.pi * (np.sqrt(w0**2 + 2 * kappa) + w0) / (2 * kappa)
-""",
-    "chain_frequency, in the zone alone": """
+"""
+    ),
+    "chain_frequency, in the zone alone": (
+        """
 def chain_frequency(q, A, B):
     q = np.minimum(q, np.pi)
     return 2 * np.sqrt(A * np.sin(q / 2) ** 2 + B * np.sin(q) ** 2)
-""",
-    "branches, in the zone alone": """
+"""
+    ),
+    "branches, in the zone alone": (
+        """
 def branches(q, d, C, m, M):
     total, s = 1 / m + 1 / M, np.sin(np.minimum(q * d, np.pi / 2))
     root = np.sqrt(total**2 - 4 * s**2 / (m * M))
     return np.sqrt(C * (total - root)), np.sqrt(C * (total + root))
-""",
+"""
+    ),
 }
 
 
@@ -365,7 +430,10 @@ def fit_dispersion(q, omega, sigma):
     C = np.linalg.inv(f.T @ f)
     return C @ f.T @ (omega / 2 / sigma), C
 """
-    assert failed(judged(question, source)) >= {"7-fit_dispersion-parameters", "7-fit_dispersion-new-parameters"}
+    assert failed(judged(question, source)) >= {
+        "7-fit_dispersion-parameters",
+        "7-fit_dispersion-new-parameters",
+    }
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-3])
@@ -376,7 +444,9 @@ def test_a_degenerate_space_may_be_turned_within_itself_only(coupled, angle):
         omega, X = file.triangle_modes(m, k)
         X = X.copy()
         X[:, [3, 4]] = X[:, [3, 4]] @ np.array([[0.6, -0.8], [0.8, 0.6]])
-        X[:, [4, 5]] = X[:, [4, 5]] @ np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        X[:, [4, 5]] = X[:, [4, 5]] @ np.array(
+            [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        )
         return omega, X
 
     names = {"3-pair", "3-breathing", "3-new-pair", "3-new-breathing"} if angle else set()

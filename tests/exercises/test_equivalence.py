@@ -13,9 +13,15 @@ EQUAL = [
 DIFFERENT = [
     ("def f(A, B): return A @ B", "def f(A, B): return B @ A"),
     ("def f(r): return r.random() - r.random()", "def f(r): return 0*r"),
-    ("def f(r):\n a = r.random()\n b = r.random()\n return a", "def f(r):\n a = r.random()\n b = r.random()\n return b"),
+    (
+        "def f(r):\n a = r.random()\n b = r.random()\n return a",
+        "def f(r):\n a = r.random()\n b = r.random()\n return b",
+    ),
     ("def f(x):\n if x: y = 1\n else: y = 2\n return y", "def f(x):\n if x: y = 3\n else: y = 2\n return y"),
-    ("def f(x):\n try: y = 1\n except E: y = 2\n return y", "def f(x):\n try: y = 1\n except E: y = 3\n return y"),
+    (
+        "def f(x):\n try: y = 1\n except E: y = 2\n return y",
+        "def f(x):\n try: y = 1\n except E: y = 3\n return y",
+    ),
     ("def f(x):\n x[0] = 1\n return x", "def f(x):\n x[0] = 2\n return x"),
     ("class A:\n g = 1", "class A:\n g = 2"),
     ("f = lambda x: x", "f = lambda x: 2*x"),
@@ -23,6 +29,8 @@ DIFFERENT = [
 ]
 
 
-@pytest.mark.parametrize(("one", "other", "equal"), [(*pair, True) for pair in EQUAL] + [(*pair, False) for pair in DIFFERENT])
+@pytest.mark.parametrize(
+    ("one", "other", "equal"), [(*pair, True) for pair in EQUAL] + [(*pair, False) for pair in DIFFERENT]
+)
 def test_equal_sources_have_one_fingerprint(one, other, equal):
     assert (fingerprint(one) == fingerprint(other)) is equal

@@ -1,4 +1,6 @@
-"""The truths of the heavy top against a second source, and the notebook's Setup against the names that the truths use."""
+"""The truths of the heavy top against a second source, and the notebook's Setup against the names that the
+truths use.
+"""
 
 import json
 
@@ -28,7 +30,9 @@ def test_the_equations_are_the_slope_of_the_exact_motion():
         h = 1e-3
         moved = reference.HeavyTop(y, *moments).motion(h * np.array([-3, -2, -1, 1, 2, 3]))
         slope = moved @ np.array([-1, 9, -45, 45, -9, 1]) / (60 * h)
-        np.testing.assert_allclose(top.top_eqs(0.0, y, *moments), slope, rtol=0, atol=1e-6 * np.abs(slope).max())
+        np.testing.assert_allclose(
+            top.top_eqs(0.0, y, *moments), slope, rtol=0, atol=1e-6 * np.abs(slope).max()
+        )
 
 
 def test_nutation_against_roots_and_integrals_of_sixty_digits():
@@ -37,9 +41,17 @@ def test_nutation_against_roots_and_integrals_of_sixty_digits():
             E, L_z, L_3 = (mp.mpf(float(x)) for x in top.by_vectors(**given))
             I1, I3, mgl = (mp.mpf(given[name]) for name in ("I1", "I3", "mgl"))
             free = E - L_3**2 / (2 * I3)
-            cubic = [2 * I1 * mgl, -2 * I1 * free - L_3**2, 2 * L_z * L_3 - 2 * I1 * mgl, 2 * I1 * free - L_z**2]
+            cubic = [
+                2 * I1 * mgl,
+                -2 * I1 * free - L_3**2,
+                2 * L_z * L_3 - 2 * I1 * mgl,
+                2 * I1 * free - L_z**2,
+            ]
             low, high, far = sorted(mp.re(root) for root in mp.polyroots(cubic, maxsteps=200))
-            time = mp.quad(lambda a, gap=high - low, width=far - low: 1 / mp.sqrt(width - gap * mp.sin(a) ** 2), [0, mp.pi / 2])
+            time = mp.quad(
+                lambda a, gap=high - low, width=far - low: 1 / mp.sqrt(width - gap * mp.sin(a) ** 2),
+                [0, mp.pi / 2],
+            )
             time *= 2 / mp.sqrt(mgl / (2 * I1))
             wanted = [float(mp.acos(high)), float(mp.acos(low)), float(time)]
             np.testing.assert_allclose(QUESTIONS["nutation"].truth(**given), wanted, rtol=1e-12)
@@ -47,7 +59,9 @@ def test_nutation_against_roots_and_integrals_of_sixty_digits():
 
 def test_steady_rates_against_the_exact_motion_and_the_limit_against_eigenvalues_beside_it():
     for given in inputs("steady_precession"):
-        rates = QUESTIONS["steady_precession"].truth(*(given[name] for name in ("theta", "ratio", "I1", "mgl")))
+        rates = QUESTIONS["steady_precession"].truth(
+            *(given[name] for name in ("theta", "ratio", "I1", "mgl"))
+        )
         theta = given.pop("theta")
         w3 = 2 * given.pop("ratio") * np.sqrt(given["I1"] * given["mgl"] * np.cos(theta)) / given["I3"]
         for rate in rates:
@@ -67,7 +81,9 @@ def test_euler_angles_cost_ever_more_calls_near_the_vertical_and_the_matrix_the_
     euler, matrix, _ = np.array([top.gimbal_lock(tilt, 14.0) for tilt in 10.0 ** -np.arange(5)]).T
     assert euler[-1] > 3 * euler[0] and matrix.max() < 1.2 * matrix.min()
     y = top.start(1e-3, 14.0)[0]
-    other = solve_ivp(lambda t, y: reference.heavy_top.euler_angle_rates(y, *top.TOP), (0, 2), y, **top.SOLVER)
+    other = solve_ivp(
+        lambda t, y: reference.heavy_top.euler_angle_rates(y, *top.TOP), (0, 2), y, **top.SOLVER
+    )
     assert other.nfev == pytest.approx(euler[3], rel=0.1)
 
 
@@ -76,7 +92,9 @@ def test_periods_of_free_tops_are_times_between_zeros_of_the_exact_motion():
         motion, period = reference.Exact(given["w"], given["I"]), top.flip_period(**given)
         t = np.linspace(0, 2.5 * period, 200)
         (at,) = np.nonzero(np.diff(np.sign(motion.omega(t)[1])))
-        zeros = [brentq(lambda x, motion=motion: motion.omega([x])[1, 0], t[k], t[k + 1], xtol=1e-14) for k in at]
+        zeros = [
+            brentq(lambda x, motion=motion: motion.omega([x])[1, 0], t[k], t[k + 1], xtol=1e-14) for k in at
+        ]
         np.testing.assert_allclose(np.diff(zeros), period, rtol=1e-11)
     w = reference.Exact((0.1, 0.2, 3.0), (1.5, 1.5, 1.1)).omega([0.0, top.wobble_period(3.0, 1.5, 1.1)])
     np.testing.assert_allclose(w[:, 1], w[:, 0], rtol=1e-13)
@@ -102,7 +120,10 @@ def gradings(name):
 @pytest.mark.parametrize("name", ["top_eqs", "invariants", "nutation"])
 def test_every_grading_asks_for_long_swings_hanging_tops_and_spins_of_either_sign_of_slow_and_fast_tops(name):
     for given in gradings(name):
-        motions = [reference.HeavyTop(*row) for row in zip(*(given[name] for name in ("y", "I1", "I3", "mgl")), strict=True)]
+        motions = [
+            reference.HeavyTop(*row)
+            for row in zip(*(given[name] for name in ("y", "I1", "I3", "mgl")), strict=True)
+        ]
         assert max(1 - motion._kc**2 for motion in motions) > 0.85
         assert len({(abs(spin) > 5, spin > 0) for spin in given["y"][:, 5]}) == 4
         assert max(given["y"][:, 0]) > 1.7
@@ -147,7 +168,9 @@ def by_bisection(y, I1, I3, mgl):
         u = middle + half * np.sin(a)
         return half * np.cos(a) * I1 / np.sqrt(f(u)) if abs(np.cos(a)) > 1e-9 else 0.0
 
-    a = (np.arange(400) + 0.5) / 400 * np.pi - np.pi / 2  # the midpoint rule, exact to rounding for a periodic function
+    a = (
+        np.arange(400) + 0.5
+    ) / 400 * np.pi - np.pi / 2  # the midpoint rule, exact to rounding for a periodic function
     return [np.arccos(high), np.arccos(low), 2 * np.mean([slow(x) for x in a]) * np.pi]
 
 
@@ -181,7 +204,11 @@ def by_rate(w3, I1, I3):
 
 def by_integration(w, I):
     def rates(t, w):
-        return [(I[1] - I[2]) * w[1] * w[2] / I[0], (I[2] - I[0]) * w[2] * w[0] / I[1], (I[0] - I[1]) * w[0] * w[1] / I[2]]
+        return [
+            (I[1] - I[2]) * w[1] * w[2] / I[0],
+            (I[2] - I[0]) * w[2] * w[0] / I[1],
+            (I[0] - I[1]) * w[0] * w[1] / I[2],
+        ]
 
     def reversal(t, w):
         return w[1]
@@ -203,7 +230,9 @@ OTHER_WAYS = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "flip_period" else n for n in OTHER_WAYS])
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n == "flip_period" else n for n in OTHER_WAYS]
+)
 def test_other_right_ways_pass(name):
     outcomes = judged(QUESTIONS[name], OTHER_WAYS[name])
     assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]

@@ -1,4 +1,6 @@
-"""The assignment integrators: its truths against third sources, right answers of several forms, and its chart."""
+"""The assignment integrators: its truths against third sources, right answers of several forms, and its
+chart.
+"""
 
 import functools
 from fractions import Fraction
@@ -43,7 +45,9 @@ def run(step, x, v, h, n):
 
 @pytest.mark.parametrize("name", ["symplectic_step", "verlet_step"])
 def test_the_symplectic_truths_obey_stormer_s_rule(name):
-    """Both methods have x(t + h) - 2 x(t) + x(t - h) = h² a(x(t)); they differ in the velocity that they start with."""
+    """Both methods have x(t + h) - 2 x(t) + x(t - h) = h² a(x(t)); they differ in the velocity that they
+    start with.
+    """
     x, v, h = np.array([1.0, 0.1]), np.array([-0.1, 0.9]), 0.05
     places = run(QUESTIONS[name].truth, x, v, h, 40)
     second = places[2:] - 2 * places[1:-1] + places[:-2]
@@ -52,7 +56,9 @@ def test_the_symplectic_truths_obey_stormer_s_rule(name):
     assert places[1] == pytest.approx(wanted, abs=1e-15)
 
 
-@pytest.mark.parametrize(("name", "weights"), [("euler_step", [1, 1]), ("rk4_step", [1, 1, 1 / 2, 1 / 6, 1 / 24])])
+@pytest.mark.parametrize(
+    ("name", "weights"), [("euler_step", [1, 1]), ("rk4_step", [1, 1, 1 / 2, 1 / 6, 1 / 24])]
+)
 def test_the_runge_kutta_truths_are_taylor_s_polynomial_on_the_oscillator(name, weights):
     x, v, h = np.array([0.3, -1.2]), np.array([0.7, 0.4]), 0.3
     A = h * np.array([[0, 1], [-1, 0]])
@@ -74,7 +80,9 @@ def test_the_runge_kutta_truth_is_that_of_rational_arithmetic_for_another_force(
     k2 = f(at(y, h / 2, k1))
     k3 = f(at(y, h / 2, k2))
     k4 = f(at(y, h, k3))
-    wanted = [float(a + h / 6 * (p + 2 * q + 2 * r + s)) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True)]
+    wanted = [
+        float(a + h / 6 * (p + 2 * q + 2 * r + s)) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True)
+    ]
     assert QUESTIONS["rk4_step"].truth(lambda x: x**2, 3 / 7, -2 / 5, 0.1) == pytest.approx(wanted, abs=1e-15)
 
 
@@ -86,7 +94,9 @@ def test_the_energy_is_that_of_sixty_digits():
             for _ in range(row["n"]):
                 x, v = x + h * (v - b * h * x), v - h * x
                 worst = max(worst, abs(x**2 + v**2 - 1))
-            assert author.by_eigenvalues(row["h"], row["n"], row["b"]) == pytest.approx(float(worst), rel=1e-12, abs=1e-13)
+            assert author.by_eigenvalues(row["h"], row["n"], row["b"]) == pytest.approx(
+                float(worst), rel=1e-12, abs=1e-13
+            )
 
 
 def matrix(row, h):
@@ -99,19 +109,28 @@ def matrix(row, h):
 def test_growth_and_limit_are_those_of_matrices():
     for row in rows("growth"):
         given = {name: row[name] for name in ("h", "b", "k")}
-        assert author.by_trace(**given) == pytest.approx(np.abs(np.linalg.eigvals(matrix(row, row["h"]))).max(), rel=1e-8)
+        assert author.by_trace(**given) == pytest.approx(
+            np.abs(np.linalg.eigvals(matrix(row, row["h"]))).max(), rel=1e-8
+        )
     limits = []
     for row in rows("stability_limit", 60):
         limits.append(author.by_crossing(row["b"], row["k"]))
         h = limits[-1] or 0.1
-        assert np.abs(np.linalg.eigvals(matrix(row, h * (1 + 1e-6)))).max() > 1 + 1e-9, "it grows above the limit"
+        assert np.abs(np.linalg.eigvals(matrix(row, h * (1 + 1e-6)))).max() > 1 + 1e-9, (
+            "it grows above the limit"
+        )
         if limits[-1]:
-            below = [np.abs(np.linalg.eigvals(matrix(row, part * h))).max() for part in np.linspace(0.02, 1 - 1e-6, 20)]
+            below = [
+                np.abs(np.linalg.eigvals(matrix(row, part * h))).max()
+                for part in np.linspace(0.02, 1 - 1e-6, 20)
+            ]
             assert max(below) < 1 + 1e-9
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_every_grading_has_limits_at_both_ends_and_in_the_middle_and_steps_that_grow_by_hardly_more_than_1e_9(seed):
+def test_every_grading_has_limits_at_both_ends_and_in_the_middle_and_steps_that_grow_by_hardly_more_than_1e_9(
+    seed,
+):
     for count in QUESTIONS["stability_limit"].rows:
         given = rows("stability_limit", count, seed)
         limits = [author.by_crossing(row["b"], row["k"]) for row in given]
@@ -128,7 +147,11 @@ def test_the_error_is_that_of_steps_in_sixty_digits():
             n, c, k = int(row["n"]), int(row["c"]), mpmath.mpf(float(row["k"]))
             h, x, v = mpmath.mpf(5) / n, mpmath.mpf(1), mpmath.mpf(0)
             for _ in range(n):
-                x, v = (x + h * (v - h / 2 * k * x), v - h * k * (x + h / 2 * v)) if c else (x + h * v, v - h * k * x)
+                x, v = (
+                    (x + h * (v - h / 2 * k * x), v - h * k * (x + h / 2 * v))
+                    if c
+                    else (x + h * v, v - h * k * x)
+                )
             wanted = mpmath.hypot(x - mpmath.cos(5), v + mpmath.sin(5))
             assert author.by_complex_powers(n, c, row["k"]) == pytest.approx(float(wanted), rel=1e-10)
 
@@ -148,7 +171,9 @@ def test_the_calls_are_those_of_a_count():
     assert min(found) == 8 and 1000 < max(found) <= 4096
 
 
-@pytest.mark.parametrize("error", ["np.hypot(a, b)", "np.sqrt(a**2 + b**2)", "abs(complex(a, b))", "np.linalg.norm([a[0], b[0]])"])
+@pytest.mark.parametrize(
+    "error", ["np.hypot(a, b)", "np.sqrt(a**2 + b**2)", "abs(complex(a, b))", "np.linalg.norm([a[0], b[0]])"]
+)
 def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
     def calls_needed(step, tol):
         n, calls = 4, []
@@ -160,7 +185,9 @@ def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
             if eval(error, {"np": np, "a": x - np.cos(5), "b": v + np.sin(5)}) <= tol:
                 return len(calls)
 
-    (question,) = [one for one in ALL if one.function == "calls_needed" and one is not QUESTIONS["calls_needed"]]
+    (question,) = [
+        one for one in ALL if one.function == "calls_needed" and one is not QUESTIONS["calls_needed"]
+    ]
     assert failed(judged(question, calls_needed)) == set()
 
 
@@ -168,8 +195,17 @@ def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
     ("name", "source"),
     [
         ("euler_step", "y = np.array([x, v]) + h * np.array([v, acc(x)])\n    return y"),
-        ("symplectic_step", "new = [b + h * a for a, b in zip(acc(x), v)]\n    return [a + h * b for a, b in zip(x, new)], new"),
-        ("verlet_step", "a = acc(x)\n    y = x + v * h + 0.5 * a * h**2\n    return (y, v + 0.5 * h * (a + acc(y)))"),
+        (
+            "symplectic_step",
+            (
+                "new = [b + h * a for a, b in zip(acc(x), v)]\n    return [a + h * b for a, b in zip(x,"
+                " new)], new"
+            ),
+        ),
+        (
+            "verlet_step",
+            "a = acc(x)\n    y = x + v * h + 0.5 * a * h**2\n    return (y, v + 0.5 * h * (a + acc(y)))",
+        ),
         (
             "rk4_step",
             """def f(y):
@@ -194,7 +230,13 @@ def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
             """x, v = step(lambda x: -x, np.array([1.0, 0.0]), np.array([0.0, 1.0]), h)
     return float(max(abs(root) for root in np.roots([1, -x[0] - v[1], x[0] * v[1] - x[1] * v[0]])))""",
         ),
-        ("final_error", "y = (1, 0)\n    for k in range(n): y = step(acc, *y, 5 / n)\n    return abs(complex(*y) - np.exp(-5j))"),
+        (
+            "final_error",
+            (
+                "y = (1, 0)\n    for k in range(n): y = step(acc, *y, 5 / n)\n    return abs(complex(*y) -"
+                " np.exp(-5j))"
+            ),
+        ),
         (
             "calls_needed",
             """def acc(x):
@@ -255,7 +297,10 @@ LIMIT = QUESTIONS["stability_limit"].source
         ("verlet_step", KEPT),
         (
             "rk4_step",
-            f"{RIGHT}\ngood = rk4_step\ndef rk4_step(acc, x, v, h): return (good if h < 0.2 else verlet_step)(acc, x, v, h)",
+            (
+                f"{RIGHT}\ngood = rk4_step\ndef rk4_step(acc, x, v, h): return (good if h < 0.2 else"
+                " verlet_step)(acc, x, v, h)"
+            ),
         ),
         ("calls_needed", COUNT.replace("n, calls = 8", "n, calls = 16")),
         ("calls_needed", COUNT.replace("n, calls = 8", "n, calls = 1")),
@@ -282,7 +327,10 @@ def test_a_method_that_fails_at_the_published_limit_of_another_is_not_accepted()
     """Verlet's step passes neither as Runge–Kutta's nor as the symplectic one."""
     for name in ("rk4_step", "symplectic_step"):
         source = QUESTIONS["verlet_step"].source.replace("verlet_step", name)
-        assert {outcome.rsplit("-", 1)[1] for outcome in failed(judged(QUESTIONS[name], source))} >= {"x", "v"}
+        assert {outcome.rsplit("-", 1)[1] for outcome in failed(judged(QUESTIONS[name], source))} >= {
+            "x",
+            "v",
+        }
 
 
 @functools.cache
@@ -295,7 +343,9 @@ def charted(source):
     wanted, names = author.notebook.assignment(find("integrators").folder).sweep, {}
     exec(source, names)
     seen = play(dict(wanted.scene.question), names, {})
-    assert {name: array.shape for name, array in seen.items()} == {name: s.shape for name, s in wanted.scene.returns.items()}
+    assert {name: array.shape for name, array in seen.items()} == {
+        name: s.shape for name, s in wanted.scene.returns.items()
+    }
     return wanted.read(seen, exact_ends())
 
 
@@ -304,14 +354,24 @@ def test_the_chart_shows_seconds_and_errors_of_the_student_s_steppers(monkeypatc
     swept = charted(RIGHT)
     assert len(swept.points) == 12 and {point.method for point in swept.points} == set(STEPPERS)
     errors = {(point.method, round(20 / point.step)): point.error for point in swept.points}
-    assert errors["rk4_step", 400] < errors["verlet_step", 400] < errors["symplectic_step", 400] < errors["euler_step", 400]
+    assert (
+        errors["rk4_step", 400]
+        < errors["verlet_step", 400]
+        < errors["symplectic_step", 400]
+        < errors["euler_step", 400]
+    )
     assert errors["verlet_step", 200] / errors["verlet_step", 400] == pytest.approx(4, rel=0.2)
     assert {point.calls for point in swept.points if point.method == "rk4_step"} == {200, 800, 1600}
     assert "rk4_step 800 calls and" in swept.line and "euler_step more than 400 calls" in swept.line
     assert all(point.rtol is None and point.seconds > 0 for point in swept.points)
-    chart = chart_drawing.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()
+    chart = chart_drawing.draw_work_precision(
+        charts.load_work_precision(), swept.scene, swept.points
+    ).decode()
     assert (
-        "yours, rk4_step" in chart and "CPU time / s" in chart and "error at the end of the run" in chart and "DOP853" not in chart
+        "yours, rk4_step" in chart
+        and "CPU time / s" in chart
+        and "error at the end of the run" in chart
+        and "DOP853" not in chart
     )
 
 

@@ -1,4 +1,6 @@
-"""Every argument of every kind: a value of a wrong type is an error with its line, and any other can be asked."""
+"""Every argument of every kind: a value of a wrong type is an error with its line, and any other can be
+asked.
+"""
 
 import inspect
 import json
@@ -23,7 +25,9 @@ from exercises.kinds.values import values
 from exercises.kinds.variables import claim, variables
 from exercises.question_errors import question_errors, uses_errors
 
-NEAR, LIMIT, ATOL = (Tolerance(**number, reason="of a test") for number in ({"rtol": 1e-9}, {"limit": 1e-9}, {"atol": 0.2}))
+NEAR, LIMIT, ATOL = (
+    Tolerance(**number, reason="of a test") for number in ({"rtol": 1e-9}, {"limit": 1e-9}, {"atol": 0.2})
+)
 
 
 def double(x):
@@ -91,8 +95,20 @@ RIGHT = {
         "order": (1, ATOL),
         "stability": (2, NEAR),
     },
-    samples: {"solution": noise, "ask": {"n": 30, "rng": generator()}, "distribution": "norm", "repetitions": 2, "scale": 1},
-    estimate: {"solution": mean, "ask": {"n": 30, "rng": generator()}, "truth": 0.0, "sd": lambda n: n ** (-0.5), "repetitions": 2},
+    samples: {
+        "solution": noise,
+        "ask": {"n": 30, "rng": generator()},
+        "distribution": "norm",
+        "repetitions": 2,
+        "scale": 1,
+    },
+    estimate: {
+        "solution": mean,
+        "ask": {"n": 30, "rng": generator()},
+        "truth": 0.0,
+        "sd": lambda n: n ** (-0.5),
+        "repetitions": 2,
+    },
     variables: {
         "solution": cell,
         "truth": {"g": 9.81},
@@ -108,7 +124,12 @@ RIGHT = {
         "drawn": {"a": uniform(-3, 3), "b": uniform(-1, 1)},
         "agree": (LIMIT, LIMIT),
     },
-    animation: {"solution": draw, "ask": {"t": TIMES, "x": np.stack([TIMES, TIMES], axis=1)}, "follow": ("x",), "agree": LIMIT},
+    animation: {
+        "solution": draw,
+        "ask": {"t": TIMES, "x": np.stack([TIMES, TIMES], axis=1)},
+        "follow": ("x",),
+        "agree": LIMIT,
+    },
 }
 OTHERS = [
     None,
@@ -186,15 +207,21 @@ def use(question):
         inputs = scene.inputs(np.random.default_rng(1)) if callable(scene.inputs) else dict(scene.inputs)
         asked, _ = dict(scene.question), dict(scene.returns)
         truth = scene.truth(inputs)
-        seen = question.play(question.student, inputs, asked.get("part")) | {name: truth[name] for name in scene.known}
+        seen = question.play(question.student, inputs, asked.get("part")) | {
+            name: truth[name] for name in scene.known
+        }
         for check in question_checks(asked, scene.name, callable(scene.inputs)):
             assert not check.errors() and check.judge([seen], [truth]).line
 
 
-CASES = [(kind, name) for kind in RIGHT for name in inspect.signature(kind).parameters if name != "parameters"]
+CASES = [
+    (kind, name) for kind in RIGHT for name in inspect.signature(kind).parameters if name != "parameters"
+]
 
 
-@pytest.mark.parametrize("asked", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["declared", "asked"])
+@pytest.mark.parametrize(
+    "asked", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["declared", "asked"]
+)
 @pytest.mark.parametrize(("kind", "name"), CASES, ids=[f"{kind.__name__}-{name}" for kind, name in CASES])
 @pytest.mark.filterwarnings("ignore")
 def test_an_argument_is_refused_with_its_line_or_can_be_asked(kind, name, asked):
@@ -203,7 +230,9 @@ def test_an_argument_is_refused_with_its_line_or_can_be_asked(kind, name, asked)
         question, at = kind(**RIGHT[kind] | {name: other}), sys._getframe().f_lineno
         errors = [*question_errors(question), *uses_errors(question, [])]
         assert all(re.match(rf"line ({at}|\d+): ", error) for error in errors), errors
-        assert not any(error.split(": ")[2:3] in (["TypeError"], ["KeyError"], ["AttributeError"]) for error in errors), errors
+        assert not any(
+            error.split(": ")[2:3] in (["TypeError"], ["KeyError"], ["AttributeError"]) for error in errors
+        ), errors
         refused += bool(errors)
         if asked and not errors:
             try:

@@ -1,4 +1,6 @@
-"""The bundled assignment lagrangian: its truths against mpmath's derivatives, integrals and motions, and other right answers."""
+"""The bundled assignment lagrangian: its truths against mpmath's derivatives, integrals and motions, and
+other right answers.
+"""
 
 import mpmath
 import numpy as np
@@ -60,7 +62,9 @@ def test_the_equations_of_motion_are_derivatives_along_a_path():
         n = numbers(row)
         close(
             value,
-            left_side(lambda q, v, n=n: -n["m"] * mpmath.sqrt(1 - v**2) - n["k"] * q**2 / 2, n["q"], n["v"], n["a"]),
+            left_side(
+                lambda q, v, n=n: -n["m"] * mpmath.sqrt(1 - v**2) - n["k"] * q**2 / 2, n["q"], n["v"], n["a"]
+            ),
         )
     for row, value in exact("1-3"):
         n = numbers(row)
@@ -74,12 +78,18 @@ def test_the_equations_of_motion_are_derivatives_along_a_path():
 def in_space(row, theta, phi):
     """The bead on the hoop that has turned by phi."""
     R = row["R"]
-    return [R * mpmath.sin(theta) * mpmath.cos(phi), R * mpmath.sin(theta) * mpmath.sin(phi), -R * mpmath.cos(theta)]
+    return [
+        R * mpmath.sin(theta) * mpmath.cos(phi),
+        R * mpmath.sin(theta) * mpmath.sin(phi),
+        -R * mpmath.cos(theta),
+    ]
 
 
 def lagrangian_of_hoop(n, theta, v):
     """T − V of the bead by its velocity in space."""
-    velocity = [mpmath.diff(lambda t, k=k: in_space(n, theta + v * t, n["Omega"] * t)[k], 0) for k in range(3)]
+    velocity = [
+        mpmath.diff(lambda t, k=k: in_space(n, theta + v * t, n["Omega"] * t)[k], 0) for k in range(3)
+    ]
     return n["m"] / 2 * sum(one**2 for one in velocity) - n["m"] * n["g"] * in_space(n, theta, 0)[2]
 
 
@@ -87,12 +97,19 @@ def test_the_hoop_is_that_of_velocities_in_space():
     for row, L, acceleration in exact("2", 2):
         n = numbers(row)
         close(L, lagrangian_of_hoop(n, n["theta"], n["v"]))
-        rest = left_side(lambda q, v, n=n: lagrangian_of_hoop(n, q, v), n["theta"], n["v"], mpmath.mpf(float(acceleration[0])))
+        rest = left_side(
+            lambda q, v, n=n: lagrangian_of_hoop(n, q, v),
+            n["theta"],
+            n["v"],
+            mpmath.mpf(float(acceleration[0])),
+        )
         assert abs(rest) < 1e-9  # in J, of terms of about 100
     for row, h in exact("4-hoop_conserved"):
         n = numbers(row)
         T = n["m"] / 2 * n["R"] ** 2 * (n["v"] ** 2 + n["Omega"] ** 2 * mpmath.sin(n["theta"]) ** 2)
-        power = n["m"] * n["R"] ** 2 * n["Omega"] ** 2 * mpmath.sin(n["theta"]) ** 2  # Ω times the angular momentum
+        power = (
+            n["m"] * n["R"] ** 2 * n["Omega"] ** 2 * mpmath.sin(n["theta"]) ** 2
+        )  # Ω times the angular momentum
         close(h, T - n["m"] * n["g"] * n["R"] * mpmath.cos(n["theta"]) - power)
 
 
@@ -102,7 +119,9 @@ def lagrangian_of_cart(n, v, theta, w):
 
 
 def sides_for_cart(n, X, A, v):
-    """The rates of both momenta on a path with these accelerations, and the generalized force on the angle."""
+    """The rates of both momenta on a path with these accelerations,
+    and the generalized force on the angle.
+    """
 
     def velocities(t):
         return v + X * t, n["theta"] + n["w"] * t + A * t**2 / 2, n["w"] + A * t
@@ -121,7 +140,9 @@ def sides_for_cart(n, X, A, v):
 
 def test_the_cart_solves_both_equations_of_lagrange():
     for row, X, A in exact("3", 2):
-        p, J, force = sides_for_cart(numbers(row), *(mpmath.mpf(float(one[0])) for one in (X, A)), mpmath.mpf("0.7"))
+        p, J, force = sides_for_cart(
+            numbers(row), *(mpmath.mpf(float(one[0])) for one in (X, A)), mpmath.mpf("0.7")
+        )
         assert abs(p) < 1e-10
         assert abs(J - force) < 1e-10
 
@@ -184,22 +205,27 @@ def test_the_time_between_two_rests_is_the_integral_over_the_angle(id):
 
 
 RIGHT = {
-    "equation_of_motion, with functions of time": """
+    "equation_of_motion, with functions of time": (
+        """
 import sympy as sp
 def equation_of_motion(L, q, v, a):
     t, x = sp.Symbol("t"), sp.Function("x")
     at = L(x(t), x(t).diff(t))
     left = at.diff(x(t).diff(t)).diff(t) - at.diff(x(t))
     return left.subs(x(t).diff(t, 2), a).subs(x(t).diff(t), v).subs(x(t), q)
-""",
-    "hoop, expanded and with own symbols": """
+"""
+    ),
+    "hoop, expanded and with own symbols": (
+        """
 import sympy as sp
 def hoop(theta, v, m, R, g, Omega):
     half = sp.Rational(1, 2)
     L = half*m*R**2*v**2 + half*m*R**2*Omega**2*(1 - sp.cos(2*theta))/2 + m*g*R*sp.cos(theta)
     return [L, sp.simplify(Omega**2*sp.sin(2*theta)/2 - g/R*sp.sin(theta))]
-""",
-    "cart, by a matrix with functions of time": """
+"""
+    ),
+    "cart, by a matrix with functions of time": (
+        """
 import sympy as sp
 def cart(theta, w, M, m, l, g):
     t = sp.Symbol("t")
@@ -208,18 +234,24 @@ def cart(theta, w, M, m, l, g):
     L = M * x.diff(t)**2 / 2 + m * (bx.diff(t)**2 + by.diff(t)**2) / 2 - m * g * by
     found = sp.solve([sp.diff(L, c.diff(t)).diff(t) - sp.diff(L, c) for c in (x, f)], [x.diff(t, 2), f.diff(t, 2)])
     return sp.Matrix([found[c.diff(t, 2)] for c in (x, f)]).subs(f.diff(t), w).subs(f, theta)
-""",
-    "hoop_conserved, as kinetic and effective potential energy": """
+"""
+    ),
+    "hoop_conserved, as kinetic and effective potential energy": (
+        """
 import sympy as sp
 def hoop_conserved(theta, v, m, R, g, Omega):
     return sp.factor(m*R**2*v**2/2 - m*R*(g*sp.cos(theta) + R*Omega**2*sp.sin(theta)**2/2))
-""",
-    "hoop_rates, a list": """
+"""
+    ),
+    "hoop_rates, a list": (
+        """
 from math import sin, cos
 def hoop_rates(t, y, R, g, Omega):
     return [y[1], sin(y[0]) * (Omega**2 * cos(y[0]) - g / R)]
-""",
-    "hoop_motion, by steps of Runge and Kutta": """
+"""
+    ),
+    "hoop_motion, by steps of Runge and Kutta": (
+        """
 def hoop_motion(t, y0, R, g, Omega):
     f = lambda y: np.array([y[1], (Omega**2 * np.cos(y[0]) - g / R) * np.sin(y[0])])
     y, now, found = np.array(y0, float), 0.0, []
@@ -232,8 +264,10 @@ def hoop_motion(t, y0, R, g, Omega):
         now = then
         found.append(y[0])
     return found
-""",
-    "rest_time, by an integral": """
+"""
+    ),
+    "rest_time, by an integral": (
+        """
 from scipy.integrate import quad
 from scipy.optimize import brentq
 def rest_time(theta0, R, g, Omega):
@@ -242,8 +276,10 @@ def rest_time(theta0, R, g, Omega):
     end = np.arccos(other) if other < 1 else -theta0
     mid, half = (theta0 + end) / 2, (theta0 - end) / 2
     return abs(quad(lambda p: half*np.cos(p) / np.sqrt(abs(square(mid + half*np.sin(p)))), -np.pi/2, np.pi/2, epsrel=1e-9)[0])
-""",
-    "rest_time, by a dense solution": """
+"""
+    ),
+    "rest_time, by a dense solution": (
+        """
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 def rest_time(theta0, R, g, Omega):
@@ -252,7 +288,8 @@ def rest_time(theta0, R, g, Omega):
     v, t = run.y[1], run.t
     k = next(k for k in range(2, len(v)) if v[k] * v[1] < 0)
     return brentq(lambda s: run.sol(s)[1], t[k - 1], t[k])
-""",
+"""
+    ),
 }
 
 

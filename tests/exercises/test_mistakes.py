@@ -38,7 +38,9 @@ def find_root(f, a, b, tol):
         a, b = (m, b) if f(m) > 0 else (a, m)
     return (a + b) / 2
 """
-    assert diagnoses(toolbox, sandbox, source, "1") == {("sign-flipped", "the search keeps the half without the root")}
+    assert diagnoses(toolbox, sandbox, source, "1") == {
+        ("sign-flipped", "the search keeps the half without the root")
+    }
 
 
 def test_a_change_of_one_node_is_named_at_its_place(toolbox, sandbox):
@@ -51,7 +53,13 @@ def test_a_change_of_one_node_is_named_at_its_place(toolbox, sandbox):
     ("number", "source"),
     [
         ("3", f"{INIT}        self.l = l\n    def period(self): return 1.2345 * self.l"),
-        ("1", "from scipy.optimize import bisect\ndef find_root(f, a, b, tol): return bisect(f, a, b, xtol=1e-13) / 2"),
+        (
+            "1",
+            (
+                "from scipy.optimize import bisect\ndef find_root(f, a, b, tol): return bisect(f, a, b,"
+                " xtol=1e-13) / 2"
+            ),
+        ),
     ],
     ids=["unknown", "ambiguous"],
 )
@@ -93,4 +101,6 @@ def test_a_mistake_is_diagnosed_where_the_setup_reads_a_data_file(tmp_path, sand
     (folder / "factor.csv").write_text("2.0\n")
     with known(folder) as catalogue:
         source = "def scaled(x): return x + FACTOR"
-        assert diagnoses(catalogue.valid["scaling"], sandbox, source, "1") == {("wrong-operator", "the factor is added")}
+        assert diagnoses(catalogue.valid["scaling"], sandbox, source, "1") == {
+            ("wrong-operator", "the factor is added")
+        }

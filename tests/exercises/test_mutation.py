@@ -1,4 +1,6 @@
-"""The wrong versions of right solutions: the sentence of each, that no two are equal, and the numbers they return."""
+"""The wrong versions of right solutions: the sentence of each, that no two are equal, and the numbers they
+return.
+"""
 
 import ast
 import sys
@@ -43,20 +45,42 @@ CHANGES = {
     ],
     "np.sum(x.T @ v, axis=1, keepdims=True)": [
         ("transposed", "`.T` is missing after `x`", "np.sum(x @ v, axis=1, keepdims=True)"),
-        ("wrong-operator", "`*` stands in place of `@` before `v` in `x.T @ v`", "np.sum(x.T * v, axis=1, keepdims=True)"),
+        (
+            "wrong-operator",
+            "`*` stands in place of `@` before `v` in `x.T @ v`",
+            "np.sum(x.T * v, axis=1, keepdims=True)",
+        ),
         ("wrong-index", "`axis=0` stands in place of `axis=1`", "np.sum(x.T @ v, axis=0, keepdims=True)"),
         ("missing-argument", "the argument `axis=1` of `sum` is missing", "np.sum(x.T @ v, keepdims=True)"),
-        ("wrong-option", "`keepdims=False` stands in place of `keepdims=True`", "np.sum(x.T @ v, axis=1, keepdims=False)"),
+        (
+            "wrong-option",
+            "`keepdims=False` stands in place of `keepdims=True`",
+            "np.sum(x.T @ v, axis=1, keepdims=False)",
+        ),
     ],
     "w / (2 * (x + v))": [
         ("missing-brackets", "the brackets around `2 * (x + v)` are missing", "w / 2 * (x + v)"),
         ("missing-brackets", "the brackets around `x + v` are missing", "w / (2 * x + v)"),
-        ("wrong-operator", "`*` stands in place of `/` before `2 * (x + v)` in `w / (2 * (x + v))`", "w * (2 * (x + v))"),
+        (
+            "wrong-operator",
+            "`*` stands in place of `/` before `2 * (x + v)` in `w / (2 * (x + v))`",
+            "w * (2 * (x + v))",
+        ),
     ],
-    "[x for _ in range(v)]": [("off-by-one", "the bound `v` of `range(v)` is one less", "[x for _ in range(v - 1)]")],
+    "[x for _ in range(v)]": [
+        ("off-by-one", "the bound `v` of `range(v)` is one less", "[x for _ in range(v - 1)]")
+    ],
     "(x / 2, w * (x / 2 + v))": [
-        ("constant-factor", "the division by `2` in `(x / 2, w * (x / 2 + v))` is missing", "(x, w * (x / 2 + v))"),
-        ("wrong-operator", "`*` stands in place of `/` before `2` in `x / 2 + v`", "(x / 2, w * (x * 2 + v))"),
+        (
+            "constant-factor",
+            "the division by `2` in `(x / 2, w * (x / 2 + v))` is missing",
+            "(x, w * (x / 2 + v))",
+        ),
+        (
+            "wrong-operator",
+            "`*` stands in place of `/` before `2` in `x / 2 + v`",
+            "(x / 2, w * (x * 2 + v))",
+        ),
     ],
     "x + w": [
         ("wrong-variable", "`v` stands in place of `x` in `x + w`", "v + w"),
@@ -73,16 +97,23 @@ def returned(variant):
     return ast.dump(ast.parse(variant.source.split("return ")[1].strip()))
 
 
-@pytest.mark.parametrize(("right", "code", "sentence", "wrong"), [(r, *c) for r, changes in CHANGES.items() for c in changes])
+@pytest.mark.parametrize(
+    ("right", "code", "sentence", "wrong"), [(r, *c) for r, changes in CHANGES.items() for c in changes]
+)
 def test_a_change_and_its_sentence(right, code, sentence, wrong):
     wrong = ast.dump(ast.parse(wrong))
-    named = [(v.code, v.sentence.replace("the returned value", f"`{right}`"), returned(v)) for v in made(right)]
+    named = [
+        (v.code, v.sentence.replace("the returned value", f"`{right}`"), returned(v)) for v in made(right)
+    ]
     assert (code, sentence, wrong) in named
 
 
 def test_no_sentence_about_a_factor_sign_or_term_contains_the_whole_solution():
     sentences = [v.sentence for v in made("x * w / (2 + v)")]
-    assert "the factor `w` in the returned value is missing" in sentences and "the returned value is halved" in sentences
+    assert (
+        "the factor `w` in the returned value is missing" in sentences
+        and "the returned value is halved" in sentences
+    )
     assert not [s for s in sentences if "`x * w / (2 + v)`" in s and "in place of" not in s]
 
 
@@ -137,7 +168,11 @@ def test_only_one_place_changes_in_the_code():
         for n, (a, b) in enumerate(zip(lines, v.source.splitlines(), strict=False), 1)
         if a != b and len(v.source.splitlines()) == len(lines)
     }
-    assert min(changed) >= 4 and not {8, 10, 14, 22} & changed and {4, 15, 17, 23} <= {v.line for v in found} | changed
+    assert (
+        min(changed) >= 4
+        and not {8, 10, 14, 22} & changed
+        and {4, 15, 17, 23} <= {v.line for v in found} | changed
+    )
     assert any("self.l  # the length\n            / self.g" in v.source for v in found), "comments stay"
 
 
@@ -224,7 +259,9 @@ def oscillation(t, y):
 
 def calls(name):
     """Calls of the function with three sets of inputs."""
-    return [call(name, *np.random.default_rng(k).uniform(0.3, 1.9, 4), np.random.default_rng(k)) for k in range(3)]
+    return [
+        call(name, *np.random.default_rng(k).uniform(0.3, 1.9, 4), np.random.default_rng(k)) for k in range(3)
+    ]
 
 
 def call(name, a, b, c, d, rng):
@@ -242,7 +279,9 @@ def call(name, a, b, c, d, rng):
 
 
 def numbers(source, name):
-    """Return the shapes and numbers that a version of the function returns; None if it raises, loops or is not finite."""
+    """Return the shapes and numbers that a version of the function returns; None if it raises, loops or is
+    not finite.
+    """
     scope, steps = {"np": np, "scipy": scipy}, [0]
 
     def guard(frame, event, argument):
@@ -274,7 +313,9 @@ def same(one, other):
 
 
 def measured(name):
-    """Return the variants, those of them with the right numbers, and groups of those with the same wrong numbers."""
+    """Return the variants, those of them with the right numbers, and groups of those with the same wrong
+    numbers.
+    """
     source = RIGHT[name].lstrip()
     right, found, equal, groups = numbers(source, name), variants(source), [], []
     for variant, answer in [(v, n) for v in found if (n := numbers(v.source, name)) is not None]:
@@ -292,13 +333,18 @@ def test_each_variant_compiles_has_a_documented_code_and_no_other_has_its_meanin
     source = RIGHT[name].lstrip()
     found = variants(source)
     assert len(found) >= 10 and {v.code for v in found} <= set(CODES)
-    meanings = {ast.dump(compile(v.source, name, "exec", ast.PyCF_ONLY_AST)) for v in found} | {ast.dump(ast.parse(source))}
+    meanings = {ast.dump(compile(v.source, name, "exec", ast.PyCF_ONLY_AST)) for v in found} | {
+        ast.dump(ast.parse(source))
+    }
     assert len(meanings) == len(found) + 1
 
 
 @pytest.mark.slow
 def test_nearly_all_variants_return_wrong_numbers_and_nine_in_ten_their_own():
     results = [measured(name) for name in RIGHT]
-    equal, wrong = (sum(map(len, parts)) for parts in ([e for _, e, _ in results], [g for _, _, groups in results for g in groups]))
+    equal, wrong = (
+        sum(map(len, parts))
+        for parts in ([e for _, e, _ in results], [g for _, _, groups in results for g in groups])
+    )
     alone = sum(len(group) == 1 for _, _, groups in results for group in groups)
     assert wrong >= 300 and equal <= 0.03 * wrong and alone >= 0.9 * wrong

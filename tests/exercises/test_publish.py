@@ -1,4 +1,6 @@
-"""The students' notebook, published from the author's or from the declaration alone: complete, and without a solution."""
+"""The students' notebook, published from the author's or from the declaration alone: complete, and without a
+solution.
+"""
 
 import io
 import json
@@ -35,8 +37,9 @@ def sources(text):
 def test_the_authors_notebook_becomes_the_students(tmp_path):
     title, note, install, *others = sources(students(write(tmp_path)))
     assert title == "# Falling" and "{{PACKAGES}}" in note
-    assert install == (
-        '%pip install -q {{KIT_URL}}\nimport ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="falling")\necp.login()'
+    assert (
+        install == '%pip install -q {{KIT_URL}}\nimport ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER,'
+        ' assignment="falling")\necp.login()'
     )
     assert others == [
         "## Setup",
@@ -62,7 +65,13 @@ def test_nothing_of_a_solution_or_mistake_is_left_in_any_part_of_the_file(tmp_pa
     picture = {"text/plain": secret}
     cells = [
         *CELLS[:5],
-        SPEED | {"outputs": [output], "attachments": {"a": picture}, "metadata": {"tags": ["solution"], "nb": secret}, "id": "a b"},
+        SPEED
+        | {
+            "outputs": [output],
+            "attachments": {"a": picture},
+            "metadata": {"tags": ["solution"], "nb": secret},
+            "id": "a b",
+        },
         markdown(f"The answer is {secret}.", metadata={"tags": ["solution"]}),
         code(f"answer = speed(1, {secret})\n_private = 1\nshown = answer", "solution"),
         code(f"%%writefile speed.py\ndef speed(t, g):\n    return {secret}"),
@@ -99,21 +108,35 @@ def emptied(sections, source, *tags):
     [
         ("def f(x): return x  # x", "def f(x):\n    ..."),
         ("async def f(x):\n\treturn x", "async def f(x):\n\t..."),
-        ("@cache\n@other(1)\ndef f(\n    x,  # in m\n    ω='#',\n) -> float:\n    # how\n\n    y = x\n    return y", None),
+        (
+            (
+                "@cache\n@other(1)\ndef f(\n    x,  # in m\n    ω='#',\n) -> float:\n    # how\n\n    y = x\n"
+                "    return y"
+            ),
+            None,
+        ),
         ('def f(x): "Return x."; return x', 'def f(x):\n    "Return x."\n    ...'),
         (
             'def f(x):\n    """Return ω.\n\n    More.\n    """; return x',
             'def f(x):\n    """Return ω.\n\n    More.\n    """\n    ...',
         ),
         ("a = 1\ndef f(x):\n    return x\nb = f(a)", "a = 1\ndef f(x):\n    ...\nb = f(a)"),
-        ("%%time\n%load x\ndef f(x):\n    %timeit x\n    return x\nf(1)", "%%time\n%load x\ndef f(x):\n    ...\nf(1)"),
+        (
+            "%%time\n%load x\ndef f(x):\n    %timeit x\n    return x\nf(1)",
+            "%%time\n%load x\ndef f(x):\n    ...\nf(1)",
+        ),
         ("def helper(x):\n    return 2 * x", "def helper(x):\n    return 2 * x"),
         ("class A: x = 1", "class A:\n    ..."),
         (
-            '@dataclass\nclass A(B):\n    """Doc."""\n\n    x: float\n    y: float = 1\n    z = 3\n\n    @property\n'
-            "    def p(self):\n        return 1\n\n    class C:\n        def q(self): return 2\n",
-            '@dataclass\nclass A(B):\n    """Doc."""\n    x: float\n    y: float = 1\n\n    @property\n    def p(self):\n'
-            "        ...\n\n    class C:\n        def q(self):\n            ...\n",
+            (
+                '@dataclass\nclass A(B):\n    """Doc."""\n\n    x: float\n    y: float = 1\n    z = 3\n\n   '
+                " @property\n    def p(self):\n        return 1\n\n    class C:\n        def q(self):"
+                " return 2\n"
+            ),
+            (
+                '@dataclass\nclass A(B):\n    """Doc."""\n    x: float\n    y: float = 1\n\n    @property\n  '
+                "  def p(self):\n        ...\n\n    class C:\n        def q(self):\n            ...\n"
+            ),
         ),
     ],
 )
@@ -123,9 +146,14 @@ def test_a_definition_keeps_its_signature_docstring_and_decorators(sections, sou
 
 
 def test_a_tagged_cell_keeps_only_the_emptied_definitions_and_the_names_that_others_read(sections):
-    source = "import secret\ndef helper(x): return x\ndef f(x): return helper(x)\nT, L = f(1), 2\nfor k in range(3): L += k"
+    source = (
+        "import secret\ndef helper(x): return x\ndef f(x): return helper(x)\nT, L = f(1), 2\nfor k in"
+        " range(3): L += k"
+    )
     assert emptied(sections, source, "solution") == "def f(x):\n    ..."
-    text = published("s", [Cell("code", source, tags=("solution",)), Cell("code", "def later(): print(L)")], sections)
+    text = published(
+        "s", [Cell("code", source, tags=("solution",)), Cell("code", "def later(): print(L)")], sections
+    )
     assert sources(text)[2] == "def f(x):\n    ...\n\n\n# your code here\n# L = ..."
 
 
@@ -143,22 +171,53 @@ def test_calls_of_submit_alone_in_a_cell_become_comments(sections):
 def test_a_check_follows_the_last_solution_of_each_exercise(sections):
     def checked(*cells):
         made = [Cell("markdown" if text[0] in "#*" else "code", text) for text in cells]
-        return [text for text in sources(published("s", made, sections)) if not text.startswith(("**Inst", "%pip", SUBMIT_NOTE))]
+        return [
+            text
+            for text in sources(published("s", made, sections))
+            if not text.startswith(("**Inst", "%pip", SUBMIT_NOTE))
+        ]
 
     one, two = 'ecp.check("1")', 'ecp.check("2.1")'
     f, g = "def f():\n    ...", "def g():\n    ..."
-    assert checked("# T", f, "### More", "x = 1", g, "# End") == ["# T", f, one, "### More", "x = 1", g, two, "# End"]
+    assert checked("# T", f, "### More", "x = 1", g, "# End") == [
+        "# T",
+        f,
+        one,
+        "### More",
+        "x = 1",
+        g,
+        two,
+        "# End",
+    ]
     assert checked(g, f, "x = 1", f) == [g, two, f, "x = 1", f, one]
-    assert checked("# Exercise 1", f, "ecp.check(1)", "* text", "# Exercise 2.1", g, 'r = ecp.check("1", "2.1")').count(two) == 0
+    assert (
+        checked(
+            "# Exercise 1", f, "ecp.check(1)", "* text", "# Exercise 2.1", g, 'r = ecp.check("1", "2.1")'
+        ).count(two)
+        == 0
+    )
     assert checked("# Exercise 1", f, "ecp.check(1)", "* text", "# Exercise 2.1", g).count(one) == 0
 
 
 def test_it_is_the_same_for_the_same_folder_and_keeps_valid_ids(tmp_path):
-    cells = [*CELLS, markdown("same", id="intro"), markdown("same", id="intro"), markdown("same"), markdown("same", id="no id")]
+    cells = [
+        *CELLS,
+        markdown("same", id="intro"),
+        markdown("same", id="intro"),
+        markdown("same"),
+        markdown("same", id="no id"),
+    ]
     first = students(write(tmp_path, cells))
     assert students(tmp_path / "falling") == first
     ids = [cell["id"] for cell in json.loads(first)["cells"]]
-    assert len(set(ids)) == len(ids) and {"install", "check-1", "check-2", "submit", "intro", "intro-2"} <= set(ids)
+    assert len(set(ids)) == len(ids) and {
+        "install",
+        "check-1",
+        "check-2",
+        "submit",
+        "intro",
+        "intro-2",
+    } <= set(ids)
     fewer = students(write(tmp_path / "falling", cells[4:]))
     assert set(ids) >= {cell["id"] for cell in json.loads(fewer)["cells"]}
 
@@ -186,7 +245,11 @@ def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():
     assert "bisection" not in text and "eigh" not in text and "sqrt(self" not in text
     cells = sources(text)
     assert cells[0] == "# Tools of computational physics" and "import numpy as np\n" in cells[3]
-    assert cells[4:7] == ["## Exercise 1: A root finder", "def find_root(f, a, b, tol):\n    ...", 'ecp.check("1")']
+    assert cells[4:7] == [
+        "## Exercise 1: A root finder",
+        "def find_root(f, a, b, tol):\n    ...",
+        'ecp.check("1")',
+    ]
     assert [text for text in cells if text.startswith("ecp.check(")] == [
         f'ecp.check("{n}")' for n in range(1, text.count("check-") + 1)
     ]
@@ -216,17 +279,27 @@ def test_the_students_notebook_runs_with_the_kit_before_and_after_it_is_filled_i
     with known(folder):
         text = students(folder)
         zipfile.ZipFile(io.BytesIO(wheel.wheel("falling"))).extractall(tmp_path / "kit")
-    empty = {"".join(cell["source"]) for cell in json.loads(text)["cells"] if "    ..." in "".join(cell["source"])}
+    empty = {
+        "".join(cell["source"]) for cell in json.loads(text)["cells"] if "    ..." in "".join(cell["source"])
+    }
     filled = json.loads(text)
     for cell in filled["cells"]:
         if "".join(cell["source"]) in empty:
-            cell["source"] = next(full["source"] for full in (SPEED, HEIGHT) if full["source"][:9] == cell["source"][0][:9])
+            cell["source"] = next(
+                full["source"] for full in (SPEED, HEIGHT) if full["source"][:9] == cell["source"][0][:9]
+            )
     for notebook, expected in ((json.loads(text), "unmeasured\nunmeasured\n"), (filled, "pass\npass\n")):
         file = tmp_path / "students.ipynb"
         file.write_text(json.dumps(notebook).replace("{{SERVER}}", "https://x.org"))
         code = RUN.format(kit=str(tmp_path / "kit"), file=str(file))
         clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-        told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=clean, check=False, cwd=tmp_path)
+        told = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, env=clean, check=False, cwd=tmp_path
+        )
         assert told.returncode == 0, told.stderr
-        printed = [line for line in told.stdout.splitlines(keepends=True) if line.strip() in ("pass", "fail", "unmeasured")]
+        printed = [
+            line
+            for line in told.stdout.splitlines(keepends=True)
+            if line.strip() in ("pass", "fail", "unmeasured")
+        ]
         assert "".join(printed) == expected, told.stdout

@@ -1,4 +1,6 @@
-"""Random walks: each truth against a second, independent source, and right and wrong submissions that no sample contains."""
+"""Random walks: each truth against a second, independent source, and right and wrong submissions that no
+sample contains.
+"""
 
 import itertools
 from fractions import Fraction
@@ -34,7 +36,9 @@ def exact(name, rows=4):
 
 
 def master_equation(steps, start, p, barrier=None):
-    """Return the probabilities (steps + 1 dicts by place) of a walk, and those to arrive at the barrier at each step."""
+    """Return the probabilities (steps + 1 dicts by place) of a walk, and those to arrive at the barrier at
+    each step.
+    """
     there, arrived = {start: Fraction(1)}, []
     for _ in range(steps):
         after = {}
@@ -56,7 +60,9 @@ def test_the_first_passage_is_that_of_the_master_equation():
     for start, p, (number, chance) in zip(rows["start"], rows["p"], truth["values"], strict=True):
         there, arrived = master_equation(30, int(start), Fraction(p), barrier=0)
         assert number.tolist() == list(range(1, 32))
-        np.testing.assert_allclose(chance, [float(c) for c in [*arrived, sum(there.values())]], rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(
+            chance, [float(c) for c in [*arrived, sum(there.values())]], rtol=1e-12, atol=1e-14
+        )
 
 
 def test_the_squared_error_is_the_variance_of_all_resampled_means():
@@ -73,7 +79,9 @@ def test_the_propagator_of_the_declared_variance_solves_the_diffusion_equation()
     D, t, x, y = map(mpmath.mpf, ("0.7", "1.3", "0.4", "-0.9"))
 
     def density(t, x, y):
-        return mpmath.exp(-(x**2 + y**2) / (4 * D * t)) / (4 * mpmath.pi * D * t)  # variance 2Dt in each coordinate
+        return mpmath.exp(-(x**2 + y**2) / (4 * D * t)) / (
+            4 * mpmath.pi * D * t
+        )  # variance 2Dt in each coordinate
 
     with mpmath.workdps(40):
         rate = mpmath.diff(density, (t, x, y), (1, 0, 0))
@@ -92,7 +100,9 @@ def test_the_fit_is_that_of_newton_steps_in_50_digits():
             K, alpha = mpmath.mpf(1), mpmath.mpf("0.8")
             for _ in range(30):
                 model = [4 * K * t**alpha for t in times]
-                J = mpmath.matrix([[m / K / s, m * mpmath.log(t) / s] for m, t, s in zip(model, times, sigma, strict=True)])
+                J = mpmath.matrix(
+                    [[m / K / s, m * mpmath.log(t) / s] for m, t, s in zip(model, times, sigma, strict=True)]
+                )
                 away = mpmath.matrix([(y - m) / s for y, m, s in zip(msd, model, sigma, strict=True)])
                 found = (J.T * J) ** -1
                 step = found * (J.T * away)
@@ -100,7 +110,12 @@ def test_the_fit_is_that_of_newton_steps_in_50_digits():
             assert mpmath.norm(step) < 1e-30
             deviations = np.sqrt(np.diag(covariance))
             assert np.max(np.abs(p - [float(K), float(alpha)]) / deviations) < 1e-6
-            assert np.max(np.abs(covariance - np.array(found.tolist(), float)) / np.outer(deviations, deviations)) < 1e-6
+            assert (
+                np.max(
+                    np.abs(covariance - np.array(found.tolist(), float)) / np.outer(deviations, deviations)
+                )
+                < 1e-6
+            )
 
 
 def test_the_integral_and_its_spread_are_those_of_a_product_rule():
@@ -128,7 +143,9 @@ def test_the_numbers_of_the_track_are_those_of_exact_integers():
     assert exactly == pytest.approx(D, rel=1e-12)
     assert D_error**2 == pytest.approx(exactly**2 / (n - 1), rel=1e-12)
     assert k_B == pytest.approx(exactly * 1e-12 * 6 * pi * 9.5e-4 * 0.5e-6 / 295.15, rel=1e-12)
-    assert abs(k_B / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5  # within two standard errors of the defined constant
+    assert (
+        abs(k_B / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5
+    )  # within two standard errors of the defined constant
 
 
 def moments(chances):
@@ -263,7 +280,8 @@ def test_functions_made_in_another_way(name, source, wrong):
 
 
 @pytest.mark.parametrize(
-    ("name", "source"), [("steps of walk", CLIPPED), ("sums of places of walk", CLIPPED), ("sums of first_passage", LATE)]
+    ("name", "source"),
+    [("steps of walk", CLIPPED), ("sums of places of walk", CLIPPED), ("sums of first_passage", LATE)],
 )
 def test_a_wrong_walk_fails_in_some_row(name, source):
     assert {"distribution", "mean"} & set(failed(name, source, 8))
@@ -278,6 +296,9 @@ def failed(name, source, draws=1):
     """Return the checks of a question that fail, of so many drawn rows."""
     question = QUESTIONS[name]
     rows, truth = exact(name, draws)
-    seen = {**question.play(question.defined_by(source), rows), **{n: a for n, a in truth.items() if n.startswith("at_")}}
+    seen = {
+        **question.play(question.defined_by(source), rows),
+        **{n: a for n, a in truth.items() if n.startswith("at_")},
+    }
     outcomes = [check.judge([seen], [truth]) for check in question_checks(question.asked, "scene", False)]
     return [outcome.id.rpartition("-")[2] for outcome in outcomes if outcome.verdict is not Verdict.PASS]

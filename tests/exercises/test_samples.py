@@ -1,7 +1,7 @@
 """Every sample of rigid-body, graded through the real sandbox, gets the report that is expected of it.
 
-``make test`` grades samples until every diagnosis code and every verdict of a check has been seen (of drawings one right and one
-wrong one for each exercise), and exercise 2 of every fourth
+``make test`` grades samples until every diagnosis code and every verdict of a check has been seen (of
+drawings one right and one wrong one for each exercise), and exercise 2 of every fourth
 right function; ``make test-all`` grades every sample whole.
 """
 
@@ -27,11 +27,20 @@ def samples():
     """The samples in order; those that show no code and no verdict for the first time are slow."""
     seen = set()
     for sample in SAMPLES:
-        drawing = sample.ask in (["5"], ["6"])  # its own verdicts follow from the code, and a drawing takes long
-        shown = {*sample.codes, *sample.verdicts.items()} if not drawing else {(*sample.ask, sample.file.name[:5])}
+        drawing = sample.ask in (
+            ["5"],
+            ["6"],
+        )  # its own verdicts follow from the code, and a drawing takes long
+        shown = (
+            {*sample.codes, *sample.verdicts.items()}
+            if not drawing
+            else {(*sample.ask, sample.file.name[:5])}
+        )
         if takes_long := sample.file.name in ("wrong_finite_difference.py", "hostile_endless.py"):
             shown = set()
-        yield pytest.param(sample, id=sample.file.name, marks=[pytest.mark.slow] if takes_long or shown <= seen else [])
+        yield pytest.param(
+            sample, id=sample.file.name, marks=[pytest.mark.slow] if takes_long or shown <= seen else []
+        )
         seen |= shown
 
 

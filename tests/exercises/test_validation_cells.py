@@ -16,9 +16,15 @@ from tests.support.course_shape import published, written
             [("conserved", "two"), ("check", "three")],
         ),
         ('validate.check(\n    a > 1,\n    "four "\n    "lines",\n)', [("check", "four lines")]),
-        ('for n in x:\n    validate.close(n, 1, f"order {n:.2f} of {len(x)}")', [("close", "order {n:.2f} of {len(x)}")]),
+        (
+            'for n in x:\n    validate.close(n, 1, f"order {n:.2f} of {len(x)}")',
+            [("close", "order {n:.2f} of {len(x)}")],
+        ),
         ("validate.below(a, 1, label)", [("below", "{label}")]),
-        ('ecp.validate.positive(a, "five"); validate.positive(b, "six")', [("positive", "five"), ("positive", "six")]),
+        (
+            'ecp.validate.positive(a, "five"); validate.positive(b, "six")',
+            [("positive", "five"), ("positive", "six")],
+        ),
         ("%matplotlib inline\nvalidate.check(True, 'seven')", [("check", "seven")]),
         ('validate.other(1, "no")\nclose(1, 2, "no")', []),
         ("not python (", []),
@@ -30,7 +36,10 @@ def test_calls_are_found_in_order(source, found):
 
 def test_a_call_knows_its_place_and_whether_it_is_inside_a_function():
     first, second = calls('x = 1\ndef f():\n    validate.check(True, "a")\nok = validate.check(x, "b")')
-    assert (first.place, first.in_function) == ((3, 4), True) and (second.place, second.in_function) == ((4, 5), False)
+    assert (first.place, first.in_function) == ((3, 4), True) and (second.place, second.in_function) == (
+        (4, 5),
+        False,
+    )
 
 
 def declared(tmp_path, *lines):
@@ -43,7 +52,9 @@ def declared(tmp_path, *lines):
 def test_lines_that_the_notebook_does_not_have_are_errors_with_their_lines(tmp_path):
     lines = [line("twice the sum is 20"), line("no such line"), line("the area is positive", truth=3.0)]
     wrong = declared(tmp_path, *lines).errors(tmp_path)
-    assert len(wrong) == 2 and all(error.startswith(f"assignment.py line {lines[0].line}: ") for error in wrong)
+    assert len(wrong) == 2 and all(
+        error.startswith(f"assignment.py line {lines[0].line}: ") for error in wrong
+    )
     assert "no validation cell has, after the lines before, the label 'no such line'" in wrong[0]
     assert "validate.positive has no expected value that truth= could replace" in wrong[1]
 
@@ -67,7 +78,10 @@ def test_the_student_defines_what_the_lines_read(tmp_path):
 
 
 def test_a_call_knows_the_numbers_that_its_text_gives():
-    source = 'validate.close(a, b, "one")\nvalidate.below(a, 2 * 1e-3, "two")\nvalidate.conserved(a, "three", rel_drift=3 * sigma)'
+    source = (
+        'validate.close(a, b, "one")\nvalidate.below(a, 2 * 1e-3, "two")\nvalidate.conserved(a, "three",'
+        " rel_drift=3 * sigma)"
+    )
     assert [(call.numbers, call.computed) for call in calls(source)] == [
         ((("rtol", 1e-6), ("atol", 1e-9)), ()),
         ((("limit", 2e-3),), ()),

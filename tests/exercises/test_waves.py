@@ -25,7 +25,10 @@ def test_the_wave_numbers_are_those_of_sixty_digits(name):
             w, d, g = (mpmath.mpf(float(value)) for value in (row["w"], row["d"], 9.81))
             low, high = w**2 / g, w**2 / g + w / mpmath.sqrt(g * d)
             k = mpmath.findroot(
-                lambda k, w=w, d=d, g=g: g * k * mpmath.tanh(k * d) - w**2, (low, high), solver="anderson", tol=1e-80
+                lambda k, w=w, d=d, g=g: g * k * mpmath.tanh(k * d) - w**2,
+                (low, high),
+                solver="anderson",
+                tol=1e-80,
             )
             assert author.by_iteration(row["w"], row["d"]) == pytest.approx(float(k), rel=1e-13)
             assert low * (1 - mpmath.mpf("1e-50")) <= k < high and 0 < k < 20, (
@@ -108,8 +111,14 @@ def test_amplitudes_spectrum_and_frequencies_have_other_definitions_that_agree()
     sums = [2 / 20 * sum(u[j] * np.sin(m * np.pi * j / 20) for j in range(21)) for m in range(1, 20)]
     assert author.by_solving(u) == pytest.approx(np.array(sums), abs=1e-13)
     t = np.arange(48) * 0.25
-    frequencies, found = author.by_sums(0.5 + 3 * np.cos(2 * np.pi * t / 3 + 1) - 2 * (-1.0) ** np.arange(48), 0.25)
-    assert dict(zip(frequencies.round(9), found.round(12), strict=True)).items() >= {(0.0, 0.5), (round(1 / 3, 9), 3.0), (2.0, 2.0)}
+    frequencies, found = author.by_sums(
+        0.5 + 3 * np.cos(2 * np.pi * t / 3 + 1) - 2 * (-1.0) ** np.arange(48), 0.25
+    )
+    assert dict(zip(frequencies.round(9), found.round(12), strict=True)).items() >= {
+        (0.0, 0.5),
+        (round(1 / 3, 9), 3.0),
+        (2.0, 2.0),
+    }
     for row in rows("frequency_ratio", 5):
         eigenvalue = np.sort(np.linalg.eigvalsh(step_matrix(int(row["N"]), row["r"])))[::-1][row["m"] - 1]
         assert author.by_eigenvalue(**row) == pytest.approx(
@@ -118,13 +127,19 @@ def test_amplitudes_spectrum_and_frequencies_have_other_definitions_that_agree()
 
 
 BRENT = "from scipy.optimize import brentq\n    return brentq(f, a, b, xtol=tol)"
-RIDDER = "from scipy import optimize\n    return optimize.root_scalar(f, bracket=[a, b], method='ridder', xtol=tol).root"
+RIDDER = (
+    "from scipy import optimize\n    return optimize.root_scalar(f, bracket=[a, b], method='ridder',"
+    " xtol=tol).root"
+)
 LOOPS = """N = len(u) - 1
     new = [0] * (N + 1)
     for j in range(1, N):
         new[j] = 2 * (1 - r * r) * u[j] + r * r * (u[j - 1] + u[j + 1]) - before[j]
     return new"""
-CONVOLVED = "return np.pad(2 * u - before + r**2 * np.convolve(u, [1, -2, 1], 'same'), 0) * (np.arange(len(u)) % (len(u) - 1) > 0)"
+CONVOLVED = (
+    "return np.pad(2 * u - before + r**2 * np.convolve(u, [1, -2, 1], 'same'), 0) * (np.arange(len(u)) %"
+    " (len(u) - 1) > 0)"
+)
 WHOLE = """out = np.zeros((n + 1, len(u)))
     out[0] = u
     out[1, 1:-1] = u[1:-1] + r**2 / 2 * np.diff(u, 2)
@@ -177,7 +192,10 @@ ITERATED = """k = max(w**2 / 9.81, w / (9.81 * d) ** 0.5)
         *(("stability_limit", body) for body in (BRACKETED, ALL_POINTS)),
         *(("modes", body) for body in (SINES, DST)),
         ("spectrum", WITH_FFT),
-        ("frequency_ratio", "return np.arccos(1 - 2 * (r * np.sin(m * np.pi / 2 / N)) ** 2) * N / (r * m * np.pi)"),
+        (
+            "frequency_ratio",
+            "return np.arccos(1 - 2 * (r * np.sin(m * np.pi / 2 / N)) ** 2) * N / (r * m * np.pi)",
+        ),
     ],
 )
 def test_right_answers_of_other_forms_pass(name, body):
@@ -216,19 +234,28 @@ REAL = ALL_POINTS.replace("np.linalg.eigvals(M)", "np.linalg.eigvals(M).real")
         ("group_velocity", f"if k * d > 6:\n        return (9.81 / k) ** 0.5 / 2\n    {QUOTIENT}"),
         ("group_velocity", f"if k * d < 0.02:\n        return (9.81 * d) ** 0.5\n    {QUOTIENT}"),
         ("string_step", CLAMPED),
-        ("string_step", f"u, before = (np.pad(one[:129], (0, max(0, len(u) - 129))) for one in (u, before))\n    {LOOPS}"),
+        (
+            "string_step",
+            f"u, before = (np.pad(one[:129], (0, max(0, len(u) - 129))) for one in (u, before))\n    {LOOPS}",
+        ),
         ("modes", f"u = np.pad(u[:129], (0, max(0, len(u) - 129)))\n    {DST}"),
         ("modes", TWENTY),
         ("stability_limit", ZIGZAG),
         ("stability_limit", REAL),
         ("stability_limit", ALL_POINTS.replace("0.1, 4", "0.1, 2")),
         ("stability_limit", ALL_POINTS.replace("0.1, 4", "0.5, 4")),
-        ("frequency_ratio", "return np.sin(m * np.pi / 2 / N) / (m * np.pi / 2 / N) if N < 10 else by_arcsin(m, N, r)"),
+        (
+            "frequency_ratio",
+            "return np.sin(m * np.pi / 2 / N) / (m * np.pi / 2 / N) if N < 10 else by_arcsin(m, N, r)",
+        ),
     ],
 )
 def test_what_is_right_for_some_inputs_only_is_refused(name, body):
     source = f"def {name}({', '.join(QUESTIONS[name].ask)}):\n    {body}\n"
-    source += "\ndef by_arcsin(m, N, r):\n    return 2 * np.arcsin(r * np.sin(m * np.pi / 2 / N)) / (r * m * np.pi / N)\n"
+    source += (
+        "\ndef by_arcsin(m, N, r):\n    return 2 * np.arcsin(r * np.sin(m * np.pi / 2 / N)) / (r * m * np.pi"
+        " / N)\n"
+    )
     assert any(failed(judged(question, source)) for question in ALL if question.function == name)
 
 
@@ -238,6 +265,9 @@ def test_an_unguarded_secant_leaves_the_interval():
 
 
 def test_bisection_is_right_but_needs_more_calls_than_allowed():
-    body = "while b - a > tol:\n        m = (a + b) / 2\n        a, b = (m, b) if f(m) < 0 else (a, m)\n    return (a + b) / 2"
+    body = (
+        "while b - a > tol:\n        m = (a + b) / 2\n        a, b = (m, b) if f(m) < 0 else (a, m)\n   "
+        " return (a + b) / 2"
+    )
     outcomes = judged(QUESTIONS["find_root"], f"def find_root(f, a, b, tol):\n    {body}\n")
     assert failed(outcomes) == {"1-1-calls", "1-1-new-calls"} and outcomes["1-1-calls"].measured == 38

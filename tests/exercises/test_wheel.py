@@ -1,4 +1,6 @@
-"""What the students' kit holds of an assignment: its public side, and nothing that is drawn for an attempt or solves it."""
+"""What the students' kit holds of an assignment: its public side, and nothing that is drawn for an attempt or
+solves it.
+"""
 
 import io
 import json
@@ -21,7 +23,11 @@ def test_a_kit_holds_one_assignment_and_the_kit_without_a_slug_all(tmp_path):
 
 def _folders(content):
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        return {name.split("/")[2] for name in archive.namelist() if name.startswith("ecp/assignments/") and name.count("/") > 2}
+        return {
+            name.split("/")[2]
+            for name in archive.namelist()
+            if name.startswith("ecp/assignments/") and name.count("/") > 2
+        }
 
 
 def test_the_kit_requires_the_packages_of_its_assignment():
@@ -41,11 +47,17 @@ def _required(content):
 def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
     with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
         home = "ecp/assignments/rigid_body/"
-        held = {name.removeprefix(home): archive.read(name) for name in archive.namelist() if name.startswith(home)}
+        held = {
+            name.removeprefix(home): archive.read(name)
+            for name in archive.namelist()
+            if name.startswith(home)
+        }
         names = archive.namelist()
     public = {path.name for path in (rigid_body.folder / "public").glob("*.py")}
     assert held.keys() == public | {"made.json", "plays.py", "public.json", "truth.npz"}
-    assert not any("samples" in name or name.endswith(("hidden_checks.py", "truth.py", "scenes.py")) for name in names)
+    assert not any(
+        "samples" in name or name.endswith(("hidden_checks.py", "truth.py", "scenes.py")) for name in names
+    )
 
 
 def test_no_scene_that_is_drawn_for_an_attempt_is_in_the_kit(rigid_body):

@@ -1,7 +1,9 @@
-"""The image as its users have it: built, looked into, run without privileges and with those for namespaces, and as a whole course.
+"""The image as its users have it: built, looked into, run without privileges and with those for namespaces,
+and as a whole course.
 
-``make image-test`` runs it, in about five minutes, as root on Debian; BASE and POSTGRES_IMAGE name public images to use
-instead of stand-ins made of Debian's packages. Exit code 0 if all was as docs/docker.md says, else 1.
+``make image-test`` runs it, in about five minutes, as root on Debian; BASE and POSTGRES_IMAGE name public
+images to use instead of stand-ins made of Debian's packages. Exit code 0 if all was as docs/docker.md says,
+else 1.
 """
 
 import json
@@ -23,7 +25,14 @@ from tests.image.engine import Failed, Podman
 ROOT = Path(__file__).parents[2]
 IMAGE, MOST_BYTES = "localhost/polhode", 700e6
 HARDENED = ["--read-only", "--tmpfs", "/tmp", "--cap-drop", "ALL", "--security-opt", "no-new-privileges"]
-NAMESPACES = ["--cap-drop", "ALL", "--security-opt", "seccomp=unconfined", "--security-opt", "apparmor=unconfined"]
+NAMESPACES = [
+    "--cap-drop",
+    "ALL",
+    "--security-opt",
+    "seccomp=unconfined",
+    "--security-opt",
+    "apparmor=unconfined",
+]
 KNOWN = {one.file.stem: one for one in samples(assignments()["rigid-body"])}
 RIGHT, WRONG = KNOWN["right_all"], KNOWN["wrong_sign_flipped"]
 SOME = [RIGHT, WRONG, KNOWN["right_animation_box"], KNOWN["wrong_zeros"]]
@@ -75,9 +84,18 @@ def _look_into(podman: Podman) -> None:
     files = dict(line.split(" ", 1) for line in _inside(podman, "python3", "-c", EVERY_FILE).splitlines())
     kept_out = [*(one.file for one in KNOWN.values()), *(ROOT / "tests").rglob("*.py")]
     found = [files[digest] for path in kept_out if (digest := sha256(path.read_bytes()).hexdigest()) in files]
-    _expect(len(files) > 1000 and not found, f"{len(files)} different Python files, no sample or test among them {found or ''}")
-    told = _inside(podman, "sh", "-c", "python3 -v -c 'import service.app, service.workers.worker, scipy.integrate' 2>&1")
-    slow = [line for line in told.splitlines() if line.startswith("# code object from") and not line.endswith("c'")]
+    _expect(
+        len(files) > 1000 and not found,
+        f"{len(files)} different Python files, no sample or test among them {found or ''}",
+    )
+    told = _inside(
+        podman, "sh", "-c", "python3 -v -c 'import service.app, service.workers.worker, scipy.integrate' 2>&1"
+    )
+    slow = [
+        line
+        for line in told.splitlines()
+        if line.startswith("# code object from") and not line.endswith("c'")
+    ]
     fast = told.count(".pyc matches")
     _expect(fast > 500 and not slow, f"{fast} modules imported, all from bytecode {slow[:3] or ''}")
 
@@ -90,9 +108,14 @@ def _run_plainly(podman: Podman) -> None:
         calls.readyz(address)["checks"]["isolation"].startswith("process:"),
         f"HEALTHCHECK succeeds after {took:.1f} s, at isolation level process",
     )
-    _expect("isolation     process:" in podman("exec", "plain", "polhode", "doctor"), "polhode doctor says so")
+    _expect(
+        "isolation     process:" in podman("exec", "plain", "polhode", "doctor"), "polhode doctor says so"
+    )
     able = podman("exec", "plain", "grep", "-E", "^(Uid|CapEff|NoNewPrivs)", "/proc/1/status").split()
-    _expect(able[1] != "0" and able[6] == "0" * 16 and able[8] == "1", f"no root, and no more rights than {' '.join(able[5:])}")
+    _expect(
+        able[1] != "0" and able[6] == "0" * 16 and able[8] == "1",
+        f"no root, and no more rights than {' '.join(able[5:])}",
+    )
     ids = _grade(address)
     _say(f"✓ SIGTERM ends it in {stop(podman, 'plain'):.1f} s with exit code 0")
     podman("start", "plain")
@@ -128,7 +151,10 @@ def _run_course(podman: Podman) -> None:
     shares = dict(line.split("|") for line in course.query(BY_WORKER).split())
     _expect(len(shares) == 2, f"{len(SOME) * 3} submissions with a token, graded by two workers: {shares}")
     killed = course.grade_while_one_dies(SOME * 3, token)
-    counted = f"{course.query(LOST)} lost run(s), {course.query('SELECT count(*) FROM result WHERE fault IS NOT NULL')} faults"
+    counted = (
+        f"{course.query(LOST)} lost run(s),"
+        f" {course.query('SELECT count(*) FROM result WHERE fault IS NOT NULL')} faults"
+    )
     _say(f"✓ {len(SOME) * 3} more while {killed} is killed: each has its report ({counted})")
     _say(f"✓ stopped in {course.stop(but=killed):.1f} s, all with exit code 0")
 
@@ -137,7 +163,9 @@ def _serve(podman: Podman, name: str, *flags: str) -> tuple[str, float]:
     """A server in a container, healthy by the image's own HEALTHCHECK: its address and how long that took."""
     port, began = free_port(), time.monotonic()
     podman("run", "--detach", "--init", "--name", name, "--publish", f"127.0.0.1:{port}:8000", *flags, IMAGE)
-    check = json.loads(podman("inspect", "--format", "{{json .Config.Healthcheck.Test}}", name))  # `healthcheck run` hides failures
+    check = json.loads(
+        podman("inspect", "--format", "{{json .Config.Healthcheck.Test}}", name)
+    )  # `healthcheck run` hides failures
     calls.until(lambda: podman.works("exec", name, *check[1:]), 90, f"{name} is healthy")
     took, address = time.monotonic() - began, f"http://127.0.0.1:{port}"
     calls.until(lambda: calls.readyz(address), 10, f"{address} answers")

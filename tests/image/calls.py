@@ -35,16 +35,25 @@ def submit(address: str, sample: Sample, token: str | None = None) -> str:
     """Send it; the submission's id."""
     body = {"source": sample.file.read_text()} | ({"exercises": sample.ask} if sample.ask else {})
     headers = {"Content-Type": "application/json"} | _bearer(token)
-    sent = urllib.request.Request(f"{address}/v1/assignments/rigid-body/submissions", json.dumps(body).encode(), headers)
+    sent = urllib.request.Request(
+        f"{address}/v1/assignments/rigid-body/submissions", json.dumps(body).encode(), headers
+    )
     return str(_json(sent)["id"])
 
 
 def graded(address: str, id: str, sample: Sample, token: str | None = None) -> dict[str, Any]:
     """Its report once there is one; Failed where it is not the one expected."""
     asked = urllib.request.Request(f"{address}/v1/submissions/{id}", headers=_bearer(token))
-    told = until(lambda: (now := _json(asked))["status"] not in ("queued", "running") and now, GRADED_S, sample.file.name)
+    told = until(
+        lambda: (now := _json(asked))["status"] not in ("queued", "running") and now,
+        GRADED_S,
+        sample.file.name,
+    )
     if told["report"] is None or (odd := sample.unexpected(told["report"])):
-        raise Failed(f"{sample.file.name}: {told['status']} {told.get('fault', '')}{'' if told['report'] is None else odd}")
+        raise Failed(
+            f"{sample.file.name}: {told['status']}"
+            f" {told.get('fault', '')}{'' if told['report'] is None else odd}"
+        )
     report: dict[str, Any] = told["report"]
     return report
 
@@ -52,7 +61,9 @@ def graded(address: str, id: str, sample: Sample, token: str | None = None) -> d
 def marks(report: dict[str, Any]) -> str:
     """Its verdicts as marks, one a check."""
     shown = {"pass": "✓", "fail": "✗", "unmeasured": "–"}
-    return "".join(shown[outcome["verdict"]] for exercise in report["exercises"] for outcome in exercise["outcomes"])
+    return "".join(
+        shown[outcome["verdict"]] for exercise in report["exercises"] for outcome in exercise["outcomes"]
+    )
 
 
 def _json(request: urllib.request.Request) -> dict[str, Any]:

@@ -49,8 +49,15 @@ class Course:
     def grade_while_one_dies(self, some: Sequence[Sample], token: str) -> str:
         """As ``grade``, but a worker that has one of them in hand is killed; its container."""
         sent = [(submit(self.address, one, token), one) for one in some]
-        names = {self.podman("exec", worker, "cat", "/etc/hostname").strip(): worker for worker in self._container("worker")}
-        busy = until(lambda: [name for name in self.query(IN_HAND).split() if name in names], 30, "a worker has one in hand")
+        names = {
+            self.podman("exec", worker, "cat", "/etc/hostname").strip(): worker
+            for worker in self._container("worker")
+        }
+        busy = until(
+            lambda: [name for name in self.query(IN_HAND).split() if name in names],
+            30,
+            "a worker has one in hand",
+        )
         self.podman("kill", "--signal", "KILL", names[busy[0]])
         for id, one in sent:
             graded(self.address, id, one, token)
@@ -58,7 +65,10 @@ class Course:
 
     def query(self, statement: str) -> str:
         """What the database says."""
-        psql = "PGPASSWORD=$POSTGRES_PASSWORD psql --host=127.0.0.1 --username=polhode --tuples-only --no-align --command"
+        psql = (
+            "PGPASSWORD=$POSTGRES_PASSWORD psql --host=127.0.0.1 --username=polhode --tuples-only --no-align"
+            " --command"
+        )
         return self.podman("exec", self._container("db")[0], "sh", "-c", f'{psql} "{statement}"').strip()
 
     def stop(self, but: str) -> float:
@@ -72,18 +82,32 @@ class Course:
         return took
 
     def _container(self, service: str) -> list[str]:
-        words = ("ps", "--all", "--format", "{{.Names}}", "--filter", f"label=com.docker.compose.service={service}")
+        words = (
+            "ps",
+            "--all",
+            "--format",
+            "{{.Names}}",
+            "--filter",
+            f"label=com.docker.compose.service={service}",
+        )
         return sorted(self.podman(*words).split())
 
     def _compose(self, *words: str) -> None:
-        self.podman("--file", str(self.folder / "docker-compose.yml"), *words, program="podman-compose", seconds=240)
+        self.podman(
+            "--file", str(self.folder / "docker-compose.yml"), *words, program="podman-compose", seconds=240
+        )
 
 
 def stop(podman: Podman, container: str) -> float:
     """SIGTERM, seconds until it ended; Failed where that was not by itself, or not with 0."""
     began = time.monotonic()
     podman("stop", "--time", str(STOP_S), container)
-    code, took = podman("inspect", "--format", "{{.State.ExitCode}}", container).strip(), time.monotonic() - began
+    code, took = (
+        podman("inspect", "--format", "{{.State.ExitCode}}", container).strip(),
+        time.monotonic() - began,
+    )
     if code != "0":
-        raise Failed(f"{container} ended with {code} after {took:.1f} s:\n{podman('logs', container)[-3000:]}")
+        raise Failed(
+            f"{container} ended with {code} after {took:.1f} s:\n{podman('logs', container)[-3000:]}"
+        )
     return took

@@ -1,10 +1,14 @@
-"""Images that stand in for public ones where no registry of images is reached: Debian's own Python, Debian's own PostgreSQL."""
+"""Images that stand in for public ones where no registry of images is reached: Debian's own Python, Debian's
+own PostgreSQL.
+"""
 
 import platform
 
 from tests.image.engine import Podman
 
-SLIM = [f"--dpkgopt=path-exclude=/usr/share/{folder}/*" for folder in ("doc", "man", "locale")]  # as Debian's slim images are
+SLIM = [
+    f"--dpkgopt=path-exclude=/usr/share/{folder}/*" for folder in ("doc", "man", "locale")
+]  # as Debian's slim images are
 # What the image `postgres` does with its variables, as far as docker-compose.yml counts on it.
 ENTRY = r"""#!/bin/sh
 set -e
@@ -48,7 +52,15 @@ def postgres(podman: Podman) -> str:
 
 def _debian(podman: Podman, name: str, packages: str) -> str:
     archive, release = podman.home / f"{name}.tar", platform.freedesktop_os_release()["VERSION_CODENAME"]
-    podman("--variant=minbase", f"--include={packages}", *SLIM, release, str(archive), program="mmdebstrap", seconds=600)
+    podman(
+        "--variant=minbase",
+        f"--include={packages}",
+        *SLIM,
+        release,
+        str(archive),
+        program="mmdebstrap",
+        seconds=600,
+    )
     podman("import", "--quiet", str(archive), f"localhost/{name}")
     archive.unlink()
     return f"localhost/{name}"

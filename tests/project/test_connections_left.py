@@ -1,4 +1,6 @@
-"""A connection that a test leaves open in the database of all tests is found (``no_connection_stays`` in tests/conftest.py)."""
+"""A connection that a test leaves open in the database of all tests is found (``no_connection_stays`` in
+tests/conftest.py).
+"""
 
 import psycopg
 
@@ -9,7 +11,11 @@ def test_a_connection_that_stays_open_is_named_until_it_is_closed(postgres, data
     others = connections_left(postgres.url, seconds=0.0).keys()
     with psycopg.connect(database_url, application_name="mine") as connection:
         connection.execute("SELECT 1")
-        left = connections_left(postgres.url, others, seconds=0.5)  # the process that listed the others ends meanwhile
-        assert [described.split(" (")[0] for described in left.values()] == ["mine"] and "SELECT 1" in str(left)
+        left = connections_left(
+            postgres.url, others, seconds=0.5
+        )  # the process that listed the others ends meanwhile
+        assert [described.split(" (")[0] for described in left.values()] == ["mine"] and "SELECT 1" in str(
+            left
+        )
         assert not connections_left(postgres.url, others | left.keys())
     assert not connections_left(postgres.url, others)

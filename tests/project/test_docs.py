@@ -1,4 +1,6 @@
-"""The docs are tested: every route, setting, check word, diagnosis code and word of the glossary is where a reader looks for it."""
+"""The docs are tested: every route, setting, check word, diagnosis code and word of the glossary is where a
+reader looks for it.
+"""
 
 import importlib
 import inspect
@@ -28,7 +30,9 @@ def doc(name):
 
 
 def sources(*folders):
-    return "\n".join(p.read_text() for f in folders for p in (ROOT / f).rglob("*.py") if "samples" not in p.parts)
+    return "\n".join(
+        p.read_text() for f in folders for p in (ROOT / f).rglob("*.py") if "samples" not in p.parts
+    )
 
 
 def test_every_route_is_documented():
@@ -40,9 +44,9 @@ def test_every_route_is_documented():
 
 
 def test_every_problem_is_documented():
-    raised = set(re.findall(r"(?:Problem\(\s*\d+, |SubmissionRejected\()\"([a-z-]+)\"", sources("service"))) | set(
-        errors.BY_STATUS.values()
-    )
+    raised = set(
+        re.findall(r"(?:Problem\(\s*\d+, |SubmissionRejected\()\"([a-z-]+)\"", sources("service"))
+    ) | set(errors.BY_STATUS.values())
     for kind in raised | set(errors.TITLES):
         assert f"`{kind}`" in doc("docs/http.md"), kind
     assert SizeLimits().source == 256 * 1024 and "256 KiB" in doc("docs/http.md")
@@ -56,13 +60,17 @@ def test_every_setting_is_documented():
 
 
 def test_every_check_word_is_documented():
-    words = [n for n in ("close", "within", "conserved", "below", "holds", "shows") if callable(getattr(checks, n))]
+    words = [
+        n for n in ("close", "within", "conserved", "below", "holds", "shows") if callable(getattr(checks, n))
+    ]
     for word in words:
         assert f"| `{word}` |" in doc("docs/checks.md")
 
 
 def documented_codes():
-    return set(re.findall(r"^\| `([a-z-]+)` \|", doc("docs/checks.md").split("## Diagnosis codes")[1], re.MULTILINE))
+    return set(
+        re.findall(r"^\| `([a-z-]+)` \|", doc("docs/checks.md").split("## Diagnosis codes")[1], re.MULTILINE)
+    )
 
 
 def test_every_diagnosis_code_is_documented_and_every_documented_one_has_a_source(rigid_body):
@@ -87,7 +95,9 @@ def test_the_glossary_has_matplotlib(word):
 
 
 def examples():
-    """The two files that the Python blocks of docs/authors.md make: a whole notebook, and all others one after the other."""
+    """The two files that the Python blocks of docs/authors.md make: a whole notebook, and all others one
+    after the other.
+    """
     blocks = re.findall(r"^```python\n(.*?)^```", doc("docs/authors.md"), re.MULTILINE | re.DOTALL)
     whole = next(block for block in blocks if "Radioactive decay" in block)
     return {"decay": whole, "falling": "\n\n".join(block for block in blocks if block is not whole)}
@@ -95,7 +105,11 @@ def examples():
 
 def test_the_whole_notebook_for_authors_is_short():
     text = examples()["decay"]
-    assert len(text.splitlines()) <= 120 and text.count("mistake(") >= 12 and text.count("notebook.exercise(") == 6
+    assert (
+        len(text.splitlines()) <= 120
+        and text.count("mistake(") >= 12
+        and text.count("notebook.exercise(") == 6
+    )
 
 
 @pytest.fixture(scope="module", params=["falling", "decay"])
@@ -133,11 +147,22 @@ def test_the_guide_for_authors_names_what_an_author_imports():
     for name in author.__all__:
         assert re.search(rf"`{name}\(", doc("docs/authors.md")), name
     modules = [importlib.import_module(f"exercises.kinds.{kind}") for kind in KINDS]
-    made = [(f, inspect.signature(f)) for module in modules for f in vars(module).values() if inspect.isfunction(f)]
-    kinds = {f.__name__: signature for f, signature in made if signature.return_annotation is Question and f.__name__[0] != "_"}
+    made = [
+        (f, inspect.signature(f))
+        for module in modules
+        for f in vars(module).values()
+        if inspect.isfunction(f)
+    ]
+    kinds = {
+        f.__name__: signature
+        for f, signature in made
+        if signature.return_annotation is Question and f.__name__[0] != "_"
+    }
     assert len(kinds) >= len(KINDS)
     for kind, signature in kinds.items():
-        sections = [text for text in doc("docs/authors.md").split("\n### ") if f"`{kind}`" in text.split("\n")[0]]
+        sections = [
+            text for text in doc("docs/authors.md").split("\n### ") if f"`{kind}`" in text.split("\n")[0]
+        ]
         assert sections, kind
         for name in (p.name for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD):
             assert f"`{name}`" in sections[0] + COMMON, (kind, name)
@@ -156,7 +181,9 @@ def anchors(page):
     return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name
+)
 def test_links_between_pages_lead_to_a_heading(page):
     for target in re.findall(r"\]\((?!http)([^)\s]+)\)", page.read_text()):
         name, _, anchor = target.partition("#")

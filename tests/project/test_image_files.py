@@ -21,7 +21,12 @@ from tests.support.fake_server import Scripted, says
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = re.sub(r"\\\n", "", (ROOT / "Dockerfile").read_text())
 LOCKS = ("requirements.lock", "requirements-uv.lock")
-PLANTED = (".env", ".venv/bin/python", "exercises/next/samples/right.py", "exercises/rigid_body/__pycache__/scenes.pyc")
+PLANTED = (
+    ".env",
+    ".venv/bin/python",
+    "exercises/next/samples/right.py",
+    "exercises/rigid_body/__pycache__/scenes.pyc",
+)
 NEEDED = (
     "service/pages/templates/account.html",
     "service/grading/measured/stability.json",
@@ -33,14 +38,20 @@ PASSWORD = "${POSTGRES_PASSWORD:?set it in .env}"
 
 def in_context(path):
     """Whether .dockerignore lets it in: the last pattern that fits the path or a folder above it decides."""
-    patterns = [line for line in (ROOT / ".dockerignore").read_text().split("\n") if line and not line.startswith("#")]
+    patterns = [
+        line for line in (ROOT / ".dockerignore").read_text().split("\n") if line and not line.startswith("#")
+    ]
     above = [path, *(str(p) for p in Path(path).parents if p.parts)]
     let_in = True
     for pattern in patterns:
         names = [pattern.removeprefix("!")]
         if names[0].startswith("**/"):  # at any depth, the top's too
             names = ["*/" * depth + names[0][3:] for depth in range(path.count("/") + 1)]
-        if any(one.count("/") == name.count("/") and fnmatch.fnmatchcase(one, name) for name in names for one in above):
+        if any(
+            one.count("/") == name.count("/") and fnmatch.fnmatchcase(one, name)
+            for name in names
+            for one in above
+        ):
             let_in = pattern.startswith("!")
     return let_in
 
@@ -54,7 +65,9 @@ def holds_solutions(name):
 def context(tmp_path_factory):
     """A copy of what the build is given."""
     folder = tmp_path_factory.mktemp("context")
-    for path in subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines():
+    for path in subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.splitlines():
         if in_context(path):
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / path, folder / path)
@@ -63,7 +76,9 @@ def context(tmp_path_factory):
 
 def test_the_context_holds_neither_samples_nor_tests_nor_what_is_private(context):
     names = {str(path.relative_to(context)) for path in context.rglob("*") if path.is_file()}
-    assert not [name for name in names if holds_solutions(name) or name.startswith(("tests/", "docs/", "bench/", "."))]
+    assert not [
+        name for name in names if holds_solutions(name) or name.startswith(("tests/", "docs/", "bench/", "."))
+    ]
     assert not [name for name in PLANTED if in_context(name)]
     copied = re.findall(r"^COPY (?!--from)(.+) \S+$", DOCKERFILE, re.MULTILINE)
     assert {name.split("/")[0] for name in names} == {name for line in copied for name in line.split()}
@@ -83,9 +98,15 @@ def test_everything_is_installed_by_hashes_and_nothing_names_a_registry():
     assert DOCKERFILE.count("--require-hashes") == len(installed) and "--no-deps" in DOCKERFILE
     for lock in LOCKS:
         pinned = re.split(r"\n(?=\S)", (ROOT / lock).read_text().strip())
-        assert all(re.match(r"[\w.-]+==\S+", one) and "--hash=sha256:" in one for one in pinned if not one.startswith("#")), lock
+        assert all(
+            re.match(r"[\w.-]+==\S+", one) and "--hash=sha256:" in one
+            for one in pinned
+            if not one.startswith("#")
+        ), lock
     for name in (*LOCKS, "Dockerfile", "docker-compose.yml", ".dockerignore"):
-        assert not re.search(r"(https?|file)://", (ROOT / name).read_text().replace("http://localhost", "")), name
+        assert not re.search(
+            r"(https?|file)://", (ROOT / name).read_text().replace("http://localhost", "")
+        ), name
 
 
 def test_both_stages_are_of_the_base_asked_for_and_the_last_is_nobody():
@@ -98,7 +119,9 @@ def healthcheck(port):
     """The exit code of the image's HEALTHCHECK for a server at that port."""
     command = json.loads(re.search(r"^HEALTHCHECK .* CMD (\[.*\])$", DOCKERFILE, re.MULTILINE)[1])
     environment = os.environ | {"POLHODE_PORT": str(port)}
-    return subprocess.run([sys.executable, *command[1:]], env=environment, capture_output=True, check=False, timeout=30).returncode
+    return subprocess.run(
+        [sys.executable, *command[1:]], env=environment, capture_output=True, check=False, timeout=30
+    ).returncode
 
 
 @pytest.mark.parametrize(("status", "code"), [(200, 0), (503, 1)])
@@ -132,7 +155,12 @@ def test_compose_starts_a_server_and_two_workers_on_one_database_with_no_passwor
         assert one["environment"]["PGPASSWORD"] == database["environment"]["POSTGRES_PASSWORD"] == PASSWORD
         assert one["restart"] == "unless-stopped" and one["init"] and one["read_only"]
     settings = {f"POLHODE_{name.upper()}" for name in Settings.model_fields}
-    named = {name for service in services.values() for name in service["environment"] if name.startswith("POLHODE_")}
+    named = {
+        name
+        for service in services.values()
+        for name in service["environment"]
+        if name.startswith("POLHODE_")
+    }
     assert named <= settings
     told = (ROOT / "docs/docker.md").read_text()
     for variable in re.findall(r"\$\{(\w+)", text):
@@ -148,7 +176,10 @@ def test_the_flags_that_are_tried_are_those_that_are_documented():
 
 def test_chart_without_numba_says_so_as_in_the_image():
     program = (
-        "import sys; sys.modules['numba'] = None; from service.cli.__main__ import main\nsys.exit(main(['chart', 'stability']))"
+        "import sys; sys.modules['numba'] = None; from service.cli.__main__ import"
+        " main\nsys.exit(main(['chart', 'stability']))"
     )
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert told.returncode == 2 and told.stderr.endswith("need numba, which is not installed: pip install numba\n")
+    assert told.returncode == 2 and told.stderr.endswith(
+        "need numba, which is not installed: pip install numba\n"
+    )

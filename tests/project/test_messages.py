@@ -1,4 +1,6 @@
-"""docs/messages.md lists every message that the source can show, so that a new one is reviewed; and all are plain English."""
+"""docs/messages.md lists every message that the source can show, so that a new one is reviewed; and all are
+plain English.
+"""
 
 import re
 
@@ -30,7 +32,9 @@ PAGE = """<h1>Audit log</h1>{% if rows %}<p>{{ rows | length }} entries</p>{% el
 
 
 def test_the_list_is_that_of_the_source():
-    assert FILE.read_text() == document(), "run: python -m tests.support.messages, then review the difference of docs/messages.md"
+    assert FILE.read_text() == document(), (
+        "run: python -m tests.support.messages, then review the difference of docs/messages.md"
+    )
 
 
 def test_messages_of_code_are_found_with_values_left_out(tmp_path):

@@ -1,4 +1,6 @@
-"""The files for Caddy and nginx in deploy/, in front of a server, with TLS by a certificate authority of this test's own."""
+"""The files for Caddy and nginx in deploy/, in front of a server, with TLS by a certificate authority of this
+test's own.
+"""
 
 import json
 import os
@@ -34,7 +36,9 @@ http {{
 def caddy(folder, port, upstream):
     """The command that runs Caddy with deploy/Caddyfile on another port, with the certificate of the test."""
     site = (ROOT / "deploy/Caddyfile").read_text().replace("127.0.0.1:8000", f"127.0.0.1:{upstream}")
-    site = site.replace("polhode.example {", f"https://localhost:{port} {{\n\ttls {folder}/chain.pem {folder}/key.pem")
+    site = site.replace(
+        "polhode.example {", f"https://localhost:{port} {{\n\ttls {folder}/chain.pem {folder}/key.pem"
+    )
     (folder / "Caddyfile").write_text("{\n\tadmin off\n\tauto_https disable_redirects\n}\n" + site)
     return ["caddy", "run", "--config", str(folder / "Caddyfile"), "--adapter", "caddyfile"]
 
@@ -42,7 +46,9 @@ def caddy(folder, port, upstream):
 def nginx(folder, port, upstream):
     """The same for nginx with deploy/nginx.conf."""
     site = (ROOT / "deploy/nginx.conf").read_text().replace("127.0.0.1:8000", f"127.0.0.1:{upstream}")
-    site = site.replace("listen 443 ssl", f"listen 127.0.0.1:{port} ssl").replace("polhode.example;", "localhost;")
+    site = site.replace("listen 443 ssl", f"listen 127.0.0.1:{port} ssl").replace(
+        "polhode.example;", "localhost;"
+    )
     site = site.replace("/etc/letsencrypt/live/polhode.example/fullchain.pem", f"{folder}/chain.pem")
     site = site.replace("/etc/letsencrypt/live/polhode.example/privkey.pem", f"{folder}/key.pem")
     assert "polhode.example" not in site
@@ -67,12 +73,22 @@ def client(request, authority, tmp_path_factory):
         pem.write_to_path(folder / "chain.pem", append=True)
     context = ssl.create_default_context()
     authority.configure_trust(context)
-    server = Server(folder / "data", POLHODE_PUBLIC_URL=f"https://localhost:{port}", POLHODE_WORKERS="1").wait_ready()
-    environment = os.environ | {"HOME": str(folder), "XDG_DATA_HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
+    server = Server(
+        folder / "data", POLHODE_PUBLIC_URL=f"https://localhost:{port}", POLHODE_WORKERS="1"
+    ).wait_ready()
+    environment = os.environ | {
+        "HOME": str(folder),
+        "XDG_DATA_HOME": str(folder),
+        "XDG_CONFIG_HOME": str(folder),
+    }
     with (folder / "log").open("wb") as log:
-        proxy = subprocess.Popen(request.param(folder, port, server.port), env=environment, stdout=log, stderr=log)
+        proxy = subprocess.Popen(
+            request.param(folder, port, server.port), env=environment, stdout=log, stderr=log
+        )
     try:
-        with httpx2.Client(base_url=f"https://localhost:{port}", verify=context, timeout=90, trust_env=False) as one:
+        with httpx2.Client(
+            base_url=f"https://localhost:{port}", verify=context, timeout=90, trust_env=False
+        ) as one:
             _wait(one, proxy, folder / "log")
             yield one
     finally:
@@ -105,7 +121,9 @@ def test_the_proxy_needs_its_certificate(client):
 
 
 def test_a_notebook_with_its_outputs_is_uploaded_and_graded(client, rigid_body):
-    notebook = with_outputs((rigid_body.folder / "samples/right_course_notebook.ipynb").read_bytes(), picture="A" * 560_000)
+    notebook = with_outputs(
+        (rigid_body.folder / "samples/right_course_notebook.ipynb").read_bytes(), picture="A" * 560_000
+    )
     assert 17e6 < len(notebook) < 20 * 2**20
     files = {"file": ("mine.ipynb", notebook)}
     answer = client.post(PATH, files=files, data={"exercises": "2"}, headers={"Prefer": "wait=60"})

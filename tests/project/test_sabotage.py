@@ -1,4 +1,6 @@
-"""The list of deliberate breakages fits the code and the tests that there are; what it is for is measured by ``make sabotage``."""
+"""The list of deliberate breakages fits the code and the tests that there are; what it is for is measured by
+``make sabotage``.
+"""
 
 from collections import Counter
 
@@ -24,7 +26,13 @@ def test_what_is_wrong_with_a_list_is_told_all_at_once():
         Breakage("two", "reference/euler.py", "w1", "w1", ()),
     ]
     found = sabotage.errors(wrong)
-    expected = ("there twice", "0 times", "no test tests/project", "times in reference/euler.py", "changes nothing")
+    expected = (
+        "there twice",
+        "0 times",
+        "no test tests/project",
+        "times in reference/euler.py",
+        "changes nothing",
+    )
     assert len(found) == len(expected)
     for line, words in zip(found, expected, strict=True):
         assert words in line

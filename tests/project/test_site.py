@@ -1,4 +1,6 @@
-"""The documentation site: its reference is complete, its links and commands are right, and its quick starts run."""
+"""The documentation site: its reference is complete, its links and commands are right, and its quick starts
+run.
+"""
 
 import re
 import shlex
@@ -44,7 +46,10 @@ def test_every_page_is_in_the_navigation_once(pages):
 def anchors(text):
     """The anchors of a page, as Python-Markdown makes them of its headings."""
     headings = re.findall(r"^#+ (.*)$", re.sub(r"(?ms)^```.*?^```", "", text), re.MULTILINE)
-    plain = (re.sub(r"[^\w\s-]", "", re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading)).strip().lower() for heading in headings)
+    plain = (
+        re.sub(r"[^\w\s-]", "", re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading)).strip().lower()
+        for heading in headings
+    )
     return {re.sub(r"[-\s]+", "-", heading) for heading in plain}
 
 
@@ -62,8 +67,12 @@ def test_every_link_leads_to_a_page_of_the_site(pages):
 @pytest.mark.slow
 def test_the_reference_is_complete(pages):
     assert all(f"## polhode {name}\n" in pages["reference/cli.md"] for name in COMMANDS)
-    assert all(f"`POLHODE_{name.upper()}`" in pages["reference/settings.md"] for name in Settings.model_fields)
-    routes = [(method, route.path) for router in ROUTERS for route in router.routes for method in route.methods]
+    assert all(
+        f"`POLHODE_{name.upper()}`" in pages["reference/settings.md"] for name in Settings.model_fields
+    )
+    routes = [
+        (method, route.path) for router in ROUTERS for route in router.routes for method in route.methods
+    ]
     assert len(routes) > 15
     assert all(f"## {method} {path}\n" in pages["reference/api.md"] for method, path in routes)
     checks = [check for assignment in load_catalogue()[0].values() for check in assignment.checks()]
@@ -120,6 +129,8 @@ def test_the_site_is_built_and_loads_nothing_from_other_hosts():
     subprocess.run([sys.executable, "-m", "docs.site"], cwd=ROOT, check=True)
     for page in navigation():
         html = site.BUILT.joinpath(page).with_suffix(".html").read_text()
-        loaded = re.findall(r"<(?:script|img|iframe)\b[^>]*\bsrc=[\"']?([^\"' >]+)|<link\b[^>]*\bhref=[\"']?([^\"' >]+)", html)
+        loaded = re.findall(
+            r"<(?:script|img|iframe)\b[^>]*\bsrc=[\"']?([^\"' >]+)|<link\b[^>]*\bhref=[\"']?([^\"' >]+)", html
+        )
         assert not [one for one in loaded if "".join(one).startswith(("http", "//"))], page
     assert (site.BUILT / "search.json").stat().st_size > 100_000

@@ -1,4 +1,6 @@
-"""Where tests lie: those of a package mirror its modules, so that the tests of a module are found by its name."""
+"""Where tests lie: those of a package mirror its modules, so that the tests of a module are found by its
+name.
+"""
 
 import ast
 
@@ -7,7 +9,14 @@ import pytest
 from tests.support.checkout import ROOT
 
 TESTS = ROOT / "tests"
-ELSEWHERE = {"attacks", "browser", "image", "project", "support", "system"}  # of several packages, or of the repository itself
+ELSEWHERE = {
+    "attacks",
+    "browser",
+    "image",
+    "project",
+    "support",
+    "system",
+}  # of several packages, or of the repository itself
 
 
 def test_a_file_of_tests_has_the_name_of_what_it_tests():
@@ -37,8 +46,17 @@ def test_what_lies_at_the_top_is_no_helper():
 def test_a_declaration_imports_no_other_assignment(file):
     """lint-imports does not see a folder without __init__.py."""
     nodes = list(ast.walk(ast.parse(file.read_text())))
-    names = {f"{node.module}.{alias.name}" for node in nodes if isinstance(node, ast.ImportFrom) for alias in node.names}
+    names = {
+        f"{node.module}.{alias.name}"
+        for node in nodes
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
     names |= {f"{alias.name}." for node in nodes if isinstance(node, ast.Import) for alias in node.names}
     allowed = {"assignment", "author", "kinds", file.parent.name}
-    found = {name for name in names if name.split(".")[0] in ("exercises", "service") and name.split(".")[1] not in allowed}
+    found = {
+        name
+        for name in names
+        if name.split(".")[0] in ("exercises", "service") and name.split(".")[1] not in allowed
+    }
     assert found == set()

@@ -1,4 +1,6 @@
-"""The units in deploy/systemd, verified, and run by systemd in namespaces: a submission, a kill, a backup with its drill."""
+"""The units in deploy/systemd, verified, and run by systemd in namespaces: a submission, a kill, a backup
+with its drill.
+"""
 
 import json
 import shutil
@@ -22,7 +24,10 @@ def test_the_units_are_valid(tmp_path):
     for unit in UNITS.iterdir():
         (tmp_path / unit.name).write_text(unit.read_text().replace("/opt/polhode/bin/polhode", "/bin/true"))
     done = subprocess.run(
-        ["systemd-analyze", "verify", "--man=no", *tmp_path.iterdir()], capture_output=True, text=True, check=False
+        ["systemd-analyze", "verify", "--man=no", *tmp_path.iterdir()],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert not [line for line in done.stderr.splitlines() if "polhode" in line], done.stderr
 
@@ -55,8 +60,12 @@ def ready(machine):
 
 @pytest.mark.slow
 def test_the_service_grades_in_namespaces_as_its_own_user(machine):
-    answer = json.loads(machine("curl", "--silent", "--fail", "-F", "file=@/var/mine.py", "-H", "Prefer: wait=60", PATH))
-    assert answer["report"]["passed"] and answer["report"]["provenance"]["isolation"].startswith("namespaces:")
+    answer = json.loads(
+        machine("curl", "--silent", "--fail", "-F", "file=@/var/mine.py", "-H", "Prefer: wait=60", PATH)
+    )
+    assert answer["report"]["passed"] and answer["report"]["provenance"]["isolation"].startswith(
+        "namespaces:"
+    )
     process = machine("systemctl", "show", "--value", "-p", "MainPID", "polhode.service").strip()
     assert machine("stat", "-c", "%U", f"/proc/{process}").strip() == "polhode"
     assert machine("stat", "-c", "%U %a", "/var/lib/polhode").strip() == "polhode 700"
@@ -78,7 +87,11 @@ def test_the_backup_is_written_and_restored(machine):
     assert machine("sh", "-c", "stat -c '%U %a' /var/lib/polhode/backup/*.dump").strip() == "polhode 600"
     assert "✓  the data is consistent" in machine("journalctl", "--no-pager", "--unit=polhode-backup.service")
     assert "polhode-backup.timer" in machine("systemctl", "list-timers", "--no-pager")
-    machine("sh", "-c", "touch -d '40 days ago' /var/lib/polhode/backup/old.dump; systemctl start polhode-backup.service")
+    machine(
+        "sh",
+        "-c",
+        "touch -d '40 days ago' /var/lib/polhode/backup/old.dump; systemctl start polhode-backup.service",
+    )
     assert "old.dump" not in machine("ls", "/var/lib/polhode/backup")
 
 
@@ -96,9 +109,14 @@ def test_the_unit_of_workers_grades_for_the_same_database(machine):
     count = "curl --silent http://127.0.0.1:8000/metrics | grep '^polhode_workers' | grep ready"
     before = float(machine("sh", "-c", count).split()[-1])
     machine(
-        "sh", "-c", "echo 'POLHODE_DATABASE_URL=postgresql://polhode@/polhode?host=/var/lib/polhode/data/run' > /etc/polhode.env"
+        "sh",
+        "-c",
+        "echo 'POLHODE_DATABASE_URL=postgresql://polhode@/polhode?host=/var/lib/polhode/data/run' >"
+        " /etc/polhode.env",
     )
     machine("systemctl", "start", "polhode-worker.service")
     machine.wait("sh", "-c", f"test $({count} | cut -d' ' -f2 | cut -d. -f1) -gt {before:.0f}")
     machine("systemctl", "stop", "polhode-worker.service")
-    assert machine("systemctl", "show", "--value", "-p", "Result", "polhode-worker.service").strip() == "success"
+    assert (
+        machine("systemctl", "show", "--value", "-p", "Result", "polhode-worker.service").strip() == "success"
+    )

@@ -36,7 +36,11 @@ def polhode(wheel, *arguments, cwd):
 
 
 def contents(folder):
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts}
+    return {
+        str(p.relative_to(folder)): p.read_bytes()
+        for p in folder.rglob("*")
+        if p.is_file() and "__pycache__" not in p.parts
+    }
 
 
 def read(archive):
@@ -46,7 +50,11 @@ def read(archive):
 
 def test_it_holds_what_runs_and_no_sample(wheel, rigid_body):
     found = contents(wheel)
-    assert {"exercises/rigid_body/notebook.ipynb", "ecp/__init__.py", "service/cli/gradescope_zip/setup.sh"} <= found.keys()
+    assert {
+        "exercises/rigid_body/notebook.ipynb",
+        "ecp/__init__.py",
+        "service/cli/gradescope_zip/setup.sh",
+    } <= found.keys()
     assert found["service/cli/gradescope_zip/requirements.lock"] == (ROOT / "requirements.lock").read_bytes()
     solutions = {p.read_bytes() for p in (rigid_body.folder / "samples").iterdir() if p.is_file()}
     assert len(solutions) > 100 and not solutions & set(found.values())
@@ -62,22 +70,39 @@ def test_the_one_made_of_what_runs_is_the_same(wheel):
 
 @pytest.mark.slow
 def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_path):
-    told = polhode(wheel, "grade", rigid_body.folder / "samples/right_terms.py", "--exercise", "2", cwd=tmp_path)
+    told = polhode(
+        wheel, "grade", rigid_body.folder / "samples/right_terms.py", "--exercise", "2", cwd=tmp_path
+    )
     assert told.returncode == 0 and "5 of 5 points" in told.stdout, told.stderr
     told = polhode(
-        wheel, "export", "gradescope", "--assignment", "rigid-body", "--exercise", "2", "--out", "autograder.zip", cwd=tmp_path
+        wheel,
+        "export",
+        "gradescope",
+        "--assignment",
+        "rigid-body",
+        "--exercise",
+        "2",
+        "--out",
+        "autograder.zip",
+        cwd=tmp_path,
     )
     assert told.returncode == 0 and "set the autograder points to 5" in told.stdout, told.stderr
     assert (tmp_path / "autograder.zip").read_bytes() == bundle(rigid_body, ["2"])
 
 
 def test_an_assignment_from_outside_comes_along_without_its_samples(rigid_body, tmp_path):
-    shutil.copytree(rigid_body.folder, tmp_path / "spinning_top", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        rigid_body.folder, tmp_path / "spinning_top", ignore=shutil.ignore_patterns("__pycache__")
+    )
     (tmp_path / "spinning_top" / ".git").mkdir()
     for private in (".env", ".git/config", "solution.ipynb"):
         (tmp_path / "spinning_top" / private).write_text("mine")
     files = read(bundle(replace(rigid_body, slug="spinning-top", folder=tmp_path / "spinning_top"), None))
     inside = read(files["polhode-0.1.0-py3-none-any.whl"])
     assert b" --assignment spinning-top 2>&1" in files["run_autograder"]
-    theirs = {n.removeprefix("exercises/spinning_top/") for n in inside if n.startswith("exercises/spinning_top/")}
-    assert theirs == {n.removeprefix("exercises/rigid_body/") for n in inside if n.startswith("exercises/rigid_body/")}
+    theirs = {
+        n.removeprefix("exercises/spinning_top/") for n in inside if n.startswith("exercises/spinning_top/")
+    }
+    assert theirs == {
+        n.removeprefix("exercises/rigid_body/") for n in inside if n.startswith("exercises/rigid_body/")
+    }

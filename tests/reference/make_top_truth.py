@@ -1,8 +1,9 @@
 """Make top_truth.npz: θ, φ, ψ of heavy symmetric tops over 100 nutations, integrated to sixty digits.
 
-The integration knows neither Euler angles nor elliptic functions: Taylor series of Euler's equations in the body's axes, of the
-vertical γ seen from these axes, and of a quaternion. `reference.heavy_top` uses the cubic's roots and elliptic integrals.
-Run ``python tests/reference/make_top_truth.py``; it takes some minutes on one core.
+The integration knows neither Euler angles nor elliptic functions: Taylor series of Euler's equations in the
+body's axes, of the vertical γ seen from these axes, and of a quaternion. `reference.heavy_top` uses the
+cubic's roots and elliptic integrals. Run ``python tests/reference/make_top_truth.py``; it takes some minutes
+on one core.
 """
 
 import sys
@@ -49,7 +50,9 @@ def rows(y0, I1, I3, mgl, times):
             q0, q1, q2, q3 = state[5:]
             plus, minus = mp.atan2(q3, q0), mp.atan2(q2, q1)
             tilt = 2 * mp.atan2(mp.hypot(q1, q2), mp.hypot(q0, q3))
-            found.append([float(x) for x in (tilt, mp.fmod(plus + minus, 2 * mp.pi), mp.fmod(plus - minus, 2 * mp.pi))])
+            found.append(
+                [float(x) for x in (tilt, mp.fmod(plus + minus, 2 * mp.pi), mp.fmod(plus - minus, 2 * mp.pi))]
+            )
     return np.array(found)
 
 

@@ -1,8 +1,10 @@
-"""Make truth.npz: ω and R of more than two thousand bodies to sixty digits, by formulas other than the ones under test.
+"""Make truth.npz: ω and R of more than two thousand bodies to sixty digits, by formulas other than the ones
+under test.
 
-Here the attitude comes from the azimuth of L's meridian and the incomplete integral Π(n; φ, m), and cn, sn, dn from mpmath
-(Landau & Lifshitz §37; Whittaker, Analytical Dynamics, §69); `reference.exact` uses shortest-arc quaternions and theta series.
-Run ``python tests/reference/make_truth.py``; it takes about two minutes on one core.
+Here the attitude comes from the azimuth of L's meridian and the incomplete integral Π(n; φ, m), and cn, sn,
+dn from mpmath (Landau & Lifshitz §37; Whittaker, Analytical Dynamics, §69); `reference.exact` uses
+shortest-arc quaternions and theta series. Run ``python tests/reference/make_truth.py``; it takes about two
+minutes on one core.
 """
 
 import sys
@@ -20,13 +22,20 @@ FAMILIES = ("generic", "separatrix", "tennis", "near-symmetric", "rod", "near-st
 def draw(family: str, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Moments and spin of a physical body of the family, as doubles."""
     edges = rng.uniform(0.2, 2.0, 3)
-    moments = np.array([edges[1] ** 2 + edges[2] ** 2, edges[0] ** 2 + edges[2] ** 2, edges[0] ** 2 + edges[1] ** 2])
+    moments = np.array(
+        [edges[1] ** 2 + edges[2] ** 2, edges[0] ** 2 + edges[2] ** 2, edges[0] ** 2 + edges[1] ** 2]
+    )
     order = np.argsort(moments)
     low, mid, high = order
     spin = rng.normal(size=3)
     small = 10.0 ** rng.uniform(-14, -2)
     if family == "separatrix":
-        gap = moments[low] * spin[low] ** 2 * (moments[mid] - moments[low]) / (moments[high] * (moments[high] - moments[mid]))
+        gap = (
+            moments[low]
+            * spin[low] ** 2
+            * (moments[mid] - moments[low])
+            / (moments[high] * (moments[high] - moments[mid]))
+        )
         spin[high] = np.sqrt(gap) * (1 + small * rng.choice([-1, 1])) * rng.choice([-1, 1])
     elif family == "tennis":
         spin = rng.normal(size=3) * small
@@ -46,7 +55,9 @@ def draw(family: str, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]
     return moments, spin
 
 
-def truth(moments: np.ndarray, spin: np.ndarray, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def truth(
+    moments: np.ndarray, spin: np.ndarray, phases: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (n,) at those numbers of periods, ω (n, 3) and R (n, 3, 3), rounded from sixty digits."""
     with mp.workdps(60):
         body = _Body([mp.mpf(float(x)) for x in moments], [mp.mpf(float(x)) for x in spin])
@@ -68,7 +79,11 @@ class _Body:
         da, dc = abs(square - twice * Ia), abs(square - twice * Ic)
         self.m = abs(Ib - Ia) * dc / (abs(Ic - Ib) * da)
         self.rate = mp.sqrt(da * abs(Ic - Ib) / (Ia * Ib * Ic))
-        self.A = [mp.sqrt(Ia * dc / abs(Ic - Ia)), mp.sqrt(Ib * dc / abs(Ic - Ib)), mp.sqrt(Ic * da / abs(Ic - Ia))]
+        self.A = [
+            mp.sqrt(Ia * dc / abs(Ic - Ia)),
+            mp.sqrt(Ib * dc / abs(Ic - Ib)),
+            mp.sqrt(Ic * da / abs(Ic - Ia)),
+        ]
         sc = 1 if m[c] > 0 else -1
         sa = sc if (b - a) % 3 == 1 else -sc
         self.axes, self.signs = (a, b, c), (sa, 1, sc)
@@ -79,7 +94,13 @@ class _Body:
         self.K, self.n = mp.ellipk(self.m), -Ic * abs(Ib - Ia) / (Ia * abs(Ic - Ib))
         self.period = 4 * self.K / self.rate
         self.u0 = mp.ellipf(mp.atan2(start[1] / self.A[1], start[0] / self.A[0]), self.m)
-        self.drift = (1 if twice * Ic > square else -1) * dc * self.G / (Ic * self.A[0] ** 2) / (self.sense * self.rate)
+        self.drift = (
+            (1 if twice * Ic > square else -1)
+            * dc
+            * self.G
+            / (Ic * self.A[0] ** 2)
+            / (self.sense * self.rate)
+        )
         self.first, self.frame0 = self._third(self.u0), self._frame(start)
 
     def at(self, t):
@@ -134,4 +155,7 @@ def main(per_family: int, target: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else PER_FAMILY, Path(sys.argv[2]) if len(sys.argv) > 2 else HERE / "truth.npz")
+    main(
+        int(sys.argv[1]) if len(sys.argv) > 1 else PER_FAMILY,
+        Path(sys.argv[2]) if len(sys.argv) > 2 else HERE / "truth.npz",
+    )

@@ -16,7 +16,8 @@ def test_against_sixty_digits(family):
         w, R = compiled_motion(TRUTH["w0"][i], TRUTH["I"][i], TRUTH["t"][i])
         assert R is not None
         assert (
-            np.abs(w.T - TRUTH["w"][i]).max() <= 2e-15 * np.linalg.norm(TRUTH["w0"][i]) and np.abs(R - TRUTH["R"][i]).max() <= 3e-15
+            np.abs(w.T - TRUTH["w"][i]).max() <= 2e-15 * np.linalg.norm(TRUTH["w0"][i])
+            and np.abs(R - TRUTH["R"][i]).max() <= 3e-15
         )
 
 
@@ -40,7 +41,9 @@ def test_same_as_exact(w0, I, signs):
     exact = Exact(spin, I).sample(t, orientation=True)
     w, R = compiled_motion(spin, I, t)
     assert R is not None and exact.R is not None
-    assert np.abs(w - exact.w).max() <= 4e-15 * max(1, np.abs(spin).max()) and np.abs(R - exact.R).max() <= 5e-15
+    assert (
+        np.abs(w - exact.w).max() <= 4e-15 * max(1, np.abs(spin).max()) and np.abs(R - exact.R).max() <= 5e-15
+    )
     alone, none = compiled_motion(spin, I, t, orientation=False)
     assert none is None and (alone == w).all()
 

@@ -4,7 +4,11 @@ from reference import attitude_rate, euler_rhs
 
 
 def test_each_component_has_its_own_pair():
-    assert euler_rhs((1.0, 2.0, 3.0), (2.0, 3.0, 4.0)).tolist() == [(3 - 4) * 2 * 3 / 2, (4 - 2) * 3 * 1 / 3, (2 - 3) * 1 * 2 / 4]
+    assert euler_rhs((1.0, 2.0, 3.0), (2.0, 3.0, 4.0)).tolist() == [
+        (3 - 4) * 2 * 3 / 2,
+        (4 - 2) * 3 * 1 / 3,
+        (2 - 3) * 1 * 2 / 4,
+    ]
 
 
 def test_rate_is_minus_omega_cross_l_over_i():

@@ -1,11 +1,21 @@
-"""The closed form against sixty-digit truth by other formulas, against closed forms in degenerate regimes, and at its seams."""
+"""The closed form against sixty-digit truth by other formulas, against closed forms in degenerate regimes,
+and at its seams.
+"""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from reference import Exact, box_moments, kinetic_energy, momentum_norm, motion, orthonormality_error, space_momentum
+from reference import (
+    Exact,
+    box_moments,
+    kinetic_energy,
+    momentum_norm,
+    motion,
+    orthonormality_error,
+    space_momentum,
+)
 
 TRUTH = np.load(Path(__file__).parent / "truth.npz")
 FAMILIES = ("generic", "separatrix", "tennis", "near-symmetric", "rod", "near-steady")
@@ -49,7 +59,9 @@ def test_invariants(family):
 @pytest.mark.parametrize("signs", OCTANTS.tolist())
 @pytest.mark.parametrize("order", [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)])
 def test_every_order_of_the_moments_and_every_octant(order, signs):
-    """Renaming axes changes names only; reflecting two of them is a turn of the body; reflecting all reverses time."""
+    """Renaming axes changes names only; reflecting two of them is a turn of the body; reflecting all reverses
+    time.
+    """
     order, signs = list(order), np.array(signs, dtype=float)
     I, w0, t = np.array([2.0, 3.0, 4.0]), np.array([1.0, 0.6, 0.8]), np.linspace(-9, 20, 50)
     handed = np.prod(signs) * np.linalg.det(np.eye(3)[order])
@@ -62,7 +74,9 @@ def test_every_order_of_the_moments_and_every_octant(order, signs):
 
 @pytest.mark.parametrize("signs", OCTANTS.tolist())
 def test_exactly_on_the_separatrix(signs):
-    """I₁ω₁²(I₂ − I₁) = I₃ω₃²(I₃ − I₂) in doubles; ω₂ = (2T/I₂)^½ tanh(…), and the body ends in a spin about ê₂."""
+    """I₁ω₁²(I₂ − I₁) = I₃ω₃²(I₃ − I₂) in doubles; ω₂ = (2T/I₂)^½ tanh(…), and the body ends in a spin about
+    ê₂.
+    """
     I, w0 = np.array([3.0, 4.0, 6.0]), np.array([2.0, 1.0, 1.0]) * signs
     exact = Exact(w0, I)
     assert exact.model == "separatrix" and exact.period == np.inf
@@ -87,15 +101,21 @@ def test_models_and_their_closed_forms():
     assert (sphere.omega(t) == np.array([[1], [2], [2]])).all()
     axis = np.array([1, 2, 2]) / 3
     np.testing.assert_allclose(sphere.attitude(t) @ axis, np.tile(axis, (200, 1)), atol=1e-15)
-    np.testing.assert_allclose(np.trace(sphere.attitude(t), axis1=1, axis2=2), 1 + 2 * np.cos(3 * t), atol=5e-15)
+    np.testing.assert_allclose(
+        np.trace(sphere.attitude(t), axis1=1, axis2=2), 1 + 2 * np.cos(3 * t), atol=5e-15
+    )
     assert (
         Exact((0, -2, 0), (2, 3, 4)).model == "steady"
         and Exact((0, 0, 0), (2, 3, 4)).attitude([7.0])[0].tolist() == np.eye(3).tolist()
     )
     top = Exact((0.4, 0.0, 3.0), (1, 1, 1.6))
     assert top.model == "symmetric"
-    np.testing.assert_allclose(top.omega(t), [0.4 * np.cos(1.8 * t), 0.4 * np.sin(1.8 * t), 3 + 0 * t], atol=1e-14)
-    assert Exact((0.2, 0.3, 1.1), (2, 3, 4)).model == "direct" and Exact((0.12, 6, 0.12), BOOK).model == "dual"
+    np.testing.assert_allclose(
+        top.omega(t), [0.4 * np.cos(1.8 * t), 0.4 * np.sin(1.8 * t), 3 + 0 * t], atol=1e-14
+    )
+    assert (
+        Exact((0.2, 0.3, 1.1), (2, 3, 4)).model == "direct" and Exact((0.12, 6, 0.12), BOOK).model == "dual"
+    )
 
 
 @pytest.mark.parametrize("gap", [1e-15, 1e-14, 1e-12, 1e-8])
@@ -131,7 +151,9 @@ def test_crossing_from_direct_to_dual_changes_no_digit():
         assert abs(p.k2 - 0.5) < 1e-12
         t = rng.uniform(-5, 5, 100) * p.period
         other, (whole, rest) = _other_side(p), turns([p.phase], [p.start], t)
-        for one, two in zip(theta.Direct(p)(whole[0], rest[0])[:3], theta.Dual(other)(whole[0], rest[0])[:3], strict=True):
+        for one, two in zip(
+            theta.Direct(p)(whole[0], rest[0])[:3], theta.Dual(other)(whole[0], rest[0])[:3], strict=True
+        ):
             assert np.abs(one - two).max() <= 2e-15 * p.momentum
 
 

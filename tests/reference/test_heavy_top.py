@@ -1,4 +1,6 @@
-"""The heavy top's closed form against sixty-digit integration by other equations, against its invariants, and at its limits."""
+"""The heavy top's closed form against sixty-digit integration by other equations, against its invariants, and
+at its limits.
+"""
 
 from pathlib import Path
 
@@ -23,7 +25,11 @@ def deviation(got, want):
 def test_against_sixty_digits_over_a_hundred_nutations(name):
     (row,) = np.flatnonzero(TRUTH["name"] == name)
     y0, I1, I3, mgl = TOPS[name]
-    assert np.all(TRUTH["y0"][row] == y0) and (TRUTH["I1"][row], TRUTH["I3"][row], TRUTH["mgl"][row]) == (I1, I3, mgl)
+    assert np.all(TRUTH["y0"][row] == y0) and (TRUTH["I1"][row], TRUTH["I3"][row], TRUTH["mgl"][row]) == (
+        I1,
+        I3,
+        mgl,
+    )
     top, t = HeavyTop(y0, I1, I3, mgl), TRUTH["t"][row]
     assert t[-1] == pytest.approx(100 * top.period)
     assert deviation(top.motion(t)[:3].T, TRUTH["angles"][row]) < 1e-12
@@ -45,7 +51,9 @@ def test_start_invariants_and_continuity(name):
     energy = I1 / 2 * (nod**2 + (swing * np.sin(theta)) ** 2) + I3 / 2 * w3**2 + mgl * np.cos(theta)
     for got, kept in ((energy, top.energy), (I3 * w3, top.L_3)):
         np.testing.assert_allclose(got, kept, rtol=1e-11, atol=1e-13)
-    np.testing.assert_allclose(I1 * swing * np.sin(theta) ** 2 + top.L_3 * np.cos(theta), top.L_z, rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(
+        I1 * swing * np.sin(theta) ** 2 + top.L_3 * np.cos(theta), top.L_z, rtol=1e-13, atol=1e-13
+    )
     low, high = top.turning_points
     assert low * (1 - 1e-14) <= theta.min() and theta.max() <= high * (1 + 1e-14)
     middle = top.motion((t[1:] + t[:-1]) / 2)[3:]
@@ -59,8 +67,12 @@ def test_attitude_and_omega_obey_the_kinematic_relation():
     np.testing.assert_allclose(R, attitude(top.motion(t)[:3]), rtol=0, atol=1e-13)
     np.testing.assert_allclose(w, omega(top.motion(t)), rtol=0, atol=1e-13)
     nothing = np.zeros_like(t)
-    skew = np.moveaxis(np.array([[nothing, -w[2], w[1]], [w[2], nothing, -w[0]], [-w[1], w[0], nothing]]), 2, 0)
-    np.testing.assert_allclose((top.attitude(t + h) - top.attitude(t - h)) / (2 * h), R @ skew, rtol=0, atol=1e-6)
+    skew = np.moveaxis(
+        np.array([[nothing, -w[2], w[1]], [w[2], nothing, -w[0]], [-w[1], w[0], nothing]]), 2, 0
+    )
+    np.testing.assert_allclose(
+        (top.attitude(t + h) - top.attitude(t - h)) / (2 * h), R @ skew, rtol=0, atol=1e-6
+    )
     momentum = (R @ (np.array([TOP[1], TOP[1], TOP[2]])[:, None] * w).T[:, :, None])[:, 2, 0]
     np.testing.assert_allclose(momentum, top.L_z, rtol=1e-13)
 

@@ -26,7 +26,13 @@ def test_principal_moments_of_a_turned_box_print_the_notebooks_number():
 
 @pytest.mark.parametrize(
     ("moments", "why"),
-    [((1, 2), "three"), ((1, 1, 0), "positive"), ((1, 1, -1), "positive"), ((1, np.nan, 1), "finite"), ((1, 1, 2.1), "triangle")],
+    [
+        ((1, 2), "three"),
+        ((1, 1, 0), "positive"),
+        ((1, 1, -1), "positive"),
+        ((1, np.nan, 1), "finite"),
+        ((1, 1, 2.1), "triangle"),
+    ],
 )
 def test_moments_no_body_can_have(moments, why):
     with pytest.raises(ValueError, match=why):

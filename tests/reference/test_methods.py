@@ -1,4 +1,6 @@
-"""Every method against the exact solution: its order, what it conserves, and that importing reference costs no compiler."""
+"""Every method against the exact solution: its order, what it conserves, and that importing reference costs
+no compiler.
+"""
 
 import subprocess
 import sys
@@ -13,20 +15,28 @@ from reference.methods.splitting import KAHAN_LI_6, KAHAN_LI_8, SUZUKI4
 
 SCENE = Scene("test", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 8.0, intervals=8)
 EXACT = Exact(SCENE.w0, SCENE.I).sample(SCENE.t, orientation=True)
-# Steps per interval of one second at which each order shows: coarser for the high ones, which reach rounding soon.
+# Steps per interval of one second at which each order shows: coarser for the high ones, which reach rounding
+# soon.
 ASYMPTOTIC = {1: (512, 1024), 2: (32, 64), 4: (32, 64), 6: (4, 8), 8: (4, 8), 12: (4, 6)}
 BY_NAME = {m.name: m for m in METHODS}
 
 
 def error(method, setting, scene=SCENE, exact=EXACT):
     run = method.run(scene, setting)
-    assert run.w.shape == (3, scene.intervals + 1) and run.R.shape == (scene.intervals + 1, 3, 3) and run.calls >= 1
+    assert (
+        run.w.shape == (3, scene.intervals + 1)
+        and run.R.shape == (scene.intervals + 1, 3, 3)
+        and run.calls >= 1
+    )
     return max(np.abs(run.w - exact.w).max(), np.abs(run.R - exact.R).max())
 
 
 def compiled(names):
     """Parameters: numba compiles each family for seconds, so ``make test`` has the explicit methods alone."""
-    return [name if BY_NAME[name].line == "explicit" else pytest.param(name, marks=pytest.mark.slow) for name in names]
+    return [
+        name if BY_NAME[name].line == "explicit" else pytest.param(name, marks=pytest.mark.slow)
+        for name in names
+    ]
 
 
 @pytest.mark.parametrize("name", compiled(m.name for m in METHODS if m.order))
@@ -67,7 +77,10 @@ def test_adaptive_methods_follow_their_tolerance(name):
 
 
 @pytest.mark.parametrize(
-    "name", compiled(["Gauss 4", "Gauss 12", "Strang splitting", "splitting 8", "Moser-Veselov 2", "Moser-Veselov 6"])
+    "name",
+    compiled(
+        ["Gauss 4", "Gauss 12", "Strang splitting", "splitting 8", "Moser-Veselov 2", "Moser-Veselov 6"]
+    ),
 )
 def test_geometric_methods_conserve_what_they_should_over_a_long_run(name):
     scene = Scene("long", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 1800.0, intervals=100)

@@ -2,7 +2,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reference import attitude_rate, euler_rhs, kinetic_energy, momentum_norm, motion, orthonormality_error, space_momentum
+from reference import (
+    attitude_rate,
+    euler_rhs,
+    kinetic_energy,
+    momentum_norm,
+    motion,
+    orthonormality_error,
+    space_momentum,
+)
 
 I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)
 
@@ -11,7 +19,9 @@ def test_symmetric_top_against_its_closed_form():
     """ω₁ + iω₂ turns at (I₃ − I₁)/I₁ ω₃ (Landau & Lifshitz §36)."""
     t = np.linspace(0, 8, 200)
     w = motion((0.4, 0.0, 3.0), (1, 1, 1.6), t).w
-    np.testing.assert_allclose(w, [0.4 * np.cos(1.8 * t), 0.4 * np.sin(1.8 * t), np.full_like(t, 3.0)], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        w, [0.4 * np.cos(1.8 * t), 0.4 * np.sin(1.8 * t), np.full_like(t, 3.0)], rtol=0, atol=1e-9
+    )
 
 
 def test_invariants_and_attitude():
@@ -41,7 +51,9 @@ def test_the_notebooks_integrator_agrees_to_its_own_error():
     def rhs(_, y):
         return np.concatenate([euler_rhs(y[:3], I), attitude_rate(y[3:].reshape(3, 3), y[:3]).ravel()])
 
-    y = solve_ivp(rhs, (0, 20), [*W0, *np.eye(3).ravel()], method="DOP853", t_eval=t, rtol=1e-11, atol=1e-13).y
+    y = solve_ivp(
+        rhs, (0, 20), [*W0, *np.eye(3).ravel()], method="DOP853", t_eval=t, rtol=1e-11, atol=1e-13
+    ).y
     assert np.abs(run.w - y[:3]).max() < 5e-13
     assert np.abs(run.R - y[3:].T.reshape(-1, 3, 3)).max() < 5e-11
 

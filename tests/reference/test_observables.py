@@ -33,13 +33,17 @@ def test_space_momentum_turns_the_body_components():
 def test_orthonormality_error_sees_scale_and_shear():
     assert orthonormality_error([np.eye(3)])[0] == 0
     assert orthonormality_error([2 * np.eye(3)])[0] == 3
-    assert orthonormality_error([np.eye(3) + [[0, 1e-3, 0], [0, 0, 0], [0, 0, 0]]])[0] == pytest.approx(1e-3, rel=1e-2)
+    assert orthonormality_error([np.eye(3) + [[0, 1e-3, 0], [0, 0, 0], [0, 0, 0]]])[0] == pytest.approx(
+        1e-3, rel=1e-2
+    )
 
 
 @pytest.mark.parametrize("rate", [1.8, -0.7])
 def test_precession_rate_has_a_sense(rate):
     t = np.linspace(0, 8, 400)
-    assert precession_rate(t, [0.4 * np.cos(rate * t), 0.4 * np.sin(rate * t), t * 0 + 3]) == pytest.approx(rate, rel=1e-12)
+    assert precession_rate(t, [0.4 * np.cos(rate * t), 0.4 * np.sin(rate * t), t * 0 + 3]) == pytest.approx(
+        rate, rel=1e-12
+    )
 
 
 def test_transverse_growth_leaves_the_spin_axis_out():

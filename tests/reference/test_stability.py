@@ -2,7 +2,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reference import Exact, box_moments, euler_rhs, free_precession_rate, motion, sensitivity, steady_spin_growth_rate
+from reference import (
+    Exact,
+    box_moments,
+    euler_rhs,
+    free_precession_rate,
+    motion,
+    sensitivity,
+    steady_spin_growth_rate,
+)
 from reference.stability import _largest_eigenvalue
 
 BOOK = box_moments(1, 2, 1.4, 0.4)
@@ -41,7 +49,9 @@ SCENES = [
 
 @pytest.mark.parametrize(("w0", "I", "t_end"), SCENES)
 def test_sensitivity_bounds_what_a_slip_does_and_not_by_far(w0, I, t_end):
-    """Right-hand sides off by ε in one coefficient, integrated: the bound holds and the worst of them comes near it."""
+    """Right-hand sides off by ε in one coefficient, integrated: the bound holds and the worst of them comes
+    near it.
+    """
     epsilon, t = 1e-7, np.linspace(0, t_end, 200)
     exact = motion(w0, I, t).w
     worst = 0.0

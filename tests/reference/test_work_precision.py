@@ -43,4 +43,6 @@ def test_a_blow_up_has_infinite_error_and_no_number():
 
 
 def test_scenes_are_those_of_the_notebook_and_two_where_methods_fail():
-    assert len(SCENES) >= 6 and {"exercise 2", "exercise 6", "separatrix, nudge 1e-8"} <= {s.name for s in SCENES}
+    assert len(SCENES) >= 6 and {"exercise 2", "exercise 6", "separatrix, nudge 1e-8"} <= {
+        s.name for s in SCENES
+    }

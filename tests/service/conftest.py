@@ -1,4 +1,6 @@
-"""Fixtures of the service's tests: ``polhode`` in this process with a warm guest; applications in this process on a database."""
+"""Fixtures of the service's tests: ``polhode`` in this process with a warm guest; applications in this
+process on a database.
+"""
 
 import pytest
 from argon2 import PasswordHasher
@@ -11,7 +13,9 @@ from tests.support.guests import lend
 
 @pytest.fixture
 def warm_guest(sandbox, monkeypatch):
-    """Let what is graded in this process run in the tests' own guest; the processes of ``--jobs 2`` start theirs as always."""
+    """Let what is graded in this process run in the tests' own guest; the processes of ``--jobs 2`` start
+    theirs as always.
+    """
     lend(sandbox, monkeypatch)
 
 
@@ -45,7 +49,9 @@ def server(url):
 
 @pytest.fixture
 def cheap_hashes(monkeypatch):
-    """Passwords are hashed by the same algorithm with the least of memory and time; test_passwords has the real parameters."""
+    """Passwords are hashed by the same algorithm with the least of memory and time; test_passwords has the
+    real parameters.
+    """
     passwords.dummy_hash.cache_clear()
     monkeypatch.setattr(passwords, "_HASHER", PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
     yield

@@ -21,7 +21,14 @@ def test_a_grading_has_sixty_seconds_of_CPU_time_and_twice_as_many_in_all(monkey
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("LEASE", "0.3"), ("LEASE", "61"), ("DATABASE_WAIT", "0"), ("DRAIN", "-1"), ("GRADING_CPU", "0"), ("GRADING_WALL", "inf")],
+    [
+        ("LEASE", "0.3"),
+        ("LEASE", "61"),
+        ("DATABASE_WAIT", "0"),
+        ("DRAIN", "-1"),
+        ("GRADING_CPU", "0"),
+        ("GRADING_WALL", "inf"),
+    ],
 )
 def test_times_out_of_range_are_refused(name, value, monkeypatch):
     monkeypatch.setenv(f"POLHODE_{name}", value)
@@ -32,7 +39,9 @@ def test_times_out_of_range_are_refused(name, value, monkeypatch):
 def test_an_upload_holds_a_submission_in_its_longest_form(monkeypatch):
     assert (Settings().submission_kib, Settings().upload_mib) == (256, 20)
     monkeypatch.setenv("POLHODE_SUBMISSION_KIB", "4096")
-    with pytest.raises(ValidationError, match="POLHODE_UPLOAD_MIB must hold at least 6 times POLHODE_SUBMISSION_KIB"):
+    with pytest.raises(
+        ValidationError, match="POLHODE_UPLOAD_MIB must hold at least 6 times POLHODE_SUBMISSION_KIB"
+    ):
         Settings()
     monkeypatch.setenv("POLHODE_UPLOAD_MIB", "24")
     assert Settings().submission_kib == 4096

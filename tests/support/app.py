@@ -1,4 +1,6 @@
-"""The web application in the test process: the server that ``polhode serve`` runs, without a database or workers of its own."""
+"""The web application in the test process: the server that ``polhode serve`` runs, without a database or
+workers of its own.
+"""
 
 import asyncio
 import logging
@@ -14,7 +16,9 @@ from service.settings import Settings
 
 
 class App:
-    """A server in a thread on a free loopback port; ``settings`` are fields of Settings, ``database_url`` among them."""
+    """A server in a thread on a free loopback port; ``settings`` are fields of Settings, ``database_url``
+    among them.
+    """
 
     def __init__(self, **settings):
         self.settings = Settings(**{"identity": "token", "port": 0} | settings)
@@ -28,12 +32,16 @@ class App:
         self._handler = logs.handler(self._lines)
         self._level = logging.root.level
         logging.root.addHandler(self._handler)
-        logging.root.setLevel(min(self._level, logging.getLevelNamesMapping()[self.settings.log_level.upper()]))
+        logging.root.setLevel(
+            min(self._level, logging.getLevelNamesMapping()[self.settings.log_level.upper()])
+        )
         self._thread = threading.Thread(target=self._run, name="polhode app", daemon=True)
         self._thread.start()
         deadline = time.monotonic() + 60
         while not self._server.started:
-            assert self._thread.is_alive() and time.monotonic() < deadline, f"no application: {self.log.read_text()[-2000:]}"
+            assert self._thread.is_alive() and time.monotonic() < deadline, (
+                f"no application: {self.log.read_text()[-2000:]}"
+            )
             time.sleep(0.005)
 
     @property

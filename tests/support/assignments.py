@@ -25,7 +25,9 @@ def change(file, old, new):
 
 @contextlib.contextmanager
 def known(*paths):
-    """These are what POLHODE_ASSIGNMENTS names, beside rigid-body and whatever else lies in exercises/ of this tree not."""
+    """These are what POLHODE_ASSIGNMENTS names, beside rigid-body and whatever else lies in exercises/ of
+    this tree not.
+    """
     before, modules, here = os.environ.get(catalogue.SETTING), set(sys.modules), catalogue._here
     catalogue._here = lambda: [folder for folder in here() if folder.name == "rigid_body"]
     os.environ[catalogue.SETTING] = os.pathsep.join(map(str, paths))

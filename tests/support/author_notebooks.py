@@ -40,10 +40,21 @@ def markdown(source, **fields):
 
 
 def code(source, *tags, **fields):
-    return {"cell_type": "code", "metadata": {"tags": list(tags)}, "execution_count": 7, "outputs": [], "source": source, **fields}
+    return {
+        "cell_type": "code",
+        "metadata": {"tags": list(tags)},
+        "execution_count": 7,
+        "outputs": [],
+        "source": source,
+        **fields,
+    }
 
 
-SPEED = code('def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    # g t\n    return SIGN * g * t', "solution")
+SPEED = code(
+    'def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    # g t\n    return SIGN *'
+    " g * t",
+    "solution",
+)
 HEIGHT = code("def height(t, g, h):\n    return h - g * t**2 / 2\n\n\nprint(height(1.0, 9.81, 100.0))")
 CELLS = [
     markdown("# Falling"),

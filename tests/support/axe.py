@@ -7,7 +7,9 @@ WIDTHS = (1280, 390, 360)
 
 def wrong(page, widths=WIDTHS):
     """Yield what axe objects to at each width, and that the page is wider than its window, in words."""
-    page.locator("details:not([open])").evaluate_all("all => all.forEach(one => { one.open = true })")  # axe skips what is folded
+    page.locator("details:not([open])").evaluate_all(
+        "all => all.forEach(one => { one.open = true })"
+    )  # axe skips what is folded
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
     for width in widths:
         page.set_viewport_size({"width": width, "height": 800})
@@ -15,4 +17,7 @@ def wrong(page, widths=WIDTHS):
         if shown > width:
             yield f"{page.url} is {shown} px wide at {width} px"
         if found := axe.run(page).response["violations"]:
-            yield from (f"{page.url} at {width} px: {v['id']} {[n['html'][:200] for n in v['nodes'][:3]]}" for v in found)
+            yield from (
+                f"{page.url} at {width} px: {v['id']} {[n['html'][:200] for n in v['nodes'][:3]]}"
+                for v in found
+            )

@@ -6,9 +6,15 @@ PICTURE = "iVBORw0KGgo" + "A" * 600_000
 
 
 def with_outputs(notebook, picture=PICTURE):
-    """The bytes of the notebook (its bytes) with that picture in each code cell, attachments, tags and the state of widgets."""
+    """The bytes of the notebook (its bytes) with that picture in each code cell, attachments, tags and the
+    state of widgets.
+    """
     document = json.loads(notebook)
-    drawn = {"output_type": "display_data", "metadata": {}, "data": {"image/png": picture, "text/plain": ["<Figure>"]}}
+    drawn = {
+        "output_type": "display_data",
+        "metadata": {},
+        "data": {"image/png": picture, "text/plain": ["<Figure>"]},
+    }
     for number, cell in enumerate(document["cells"], start=1):
         cell["metadata"] = {"tags": ["mine"], "collapsed": False}
         if cell["cell_type"] == "code":

@@ -1,9 +1,10 @@
-"""Chaos: submissions come in while server, workers and database are killed, frozen and cut off at random; then it is counted.
+"""Chaos: submissions come in while server, workers and database are killed, frozen and cut off at random;
+then it is counted.
 
-``make chaos KILLS=N SEED=S`` runs it for long, a test for short. Everything is real: ``polhode serve`` with its embedded database
-and two workers, another machine with two workers, submissions over HTTP from three clients that repeat themselves as a student's
-notebook would. What must hold in the end: whatever was answered with 202 is stored once and
-has exactly one result, and no result that was seen once has ever changed.
+``make chaos KILLS=N SEED=S`` runs it for long, a test for short. Everything is real: ``polhode serve`` with
+its embedded database and two workers, another machine with two workers, submissions over HTTP from three
+clients that repeat themselves as a student's notebook would. What must hold in the end: whatever was answered
+with 202 is stored once and has exactly one result, and no result that was seen once has ever changed.
 """
 
 import argparse
@@ -72,7 +73,9 @@ class Chaos:
 
     def run(self, kills: int) -> dict[str, object]:
         """Do it, let everything settle, and count."""
-        clients = [threading.Thread(target=self._send, args=(k,)) for k in range(3)] + [threading.Thread(target=self._watch)]
+        clients = [threading.Thread(target=self._send, args=(k,)) for k in range(3)] + [
+            threading.Thread(target=self._watch)
+        ]
         for client in clients:
             client.start()
         try:
@@ -146,10 +149,17 @@ class Chaos:
 
     def _start_other(self) -> None:
         url = f"postgresql://polhode@{self.other.ours}:{self._relay.port}/polhode?sslmode=disable"
-        self.other.start(url, slots=2, POLHODE_DRAIN="1", OPENBLAS_NUM_THREADS="1", POLHODE_DATA=str(self.data))
+        self.other.start(
+            url, slots=2, POLHODE_DRAIN="1", OPENBLAS_NUM_THREADS="1", POLHODE_DATA=str(self.data)
+        )
 
     def _serve(self) -> "subprocess.Popen[bytes]":
-        own = {"POLHODE_DATA": str(self.data), "POLHODE_WORKERS": "2", "POLHODE_DRAIN": "1", "OMP_NUM_THREADS": "1"}
+        own = {
+            "POLHODE_DATA": str(self.data),
+            "POLHODE_WORKERS": "2",
+            "POLHODE_DRAIN": "1",
+            "OMP_NUM_THREADS": "1",
+        }
         environment = os.environ | own | {"OPENBLAS_NUM_THREADS": "1"}
         command = [sys.executable, "-m", "service.cli", "serve", "--port", str(self.port)]
         return subprocess.Popen(command, env=environment, stdout=self._log, stderr=self._log)
@@ -161,7 +171,9 @@ class Chaos:
             return None
 
     def _send(self, number: int) -> None:
-        """A client: one submission after the other, each repeated until it is answered, some although it was answered."""
+        """A client: one submission after the other, each repeated until it is answered, some although it was
+        answered.
+        """
         draw = random.Random(1000 * number)
         while not self._ending.is_set():
             with self._lock:
@@ -184,7 +196,9 @@ class Chaos:
     def _post(self, source: str, key: str) -> str | None:
         body = json.dumps({"source": source, "exercises": ["2"]}).encode()
         headers = {"Content-Type": "application/json", "Idempotency-Key": key}
-        request = urllib.request.Request(f"http://127.0.0.1:{self.port}/v1/assignments/rigid-body/submissions", body, headers)
+        request = urllib.request.Request(
+            f"http://127.0.0.1:{self.port}/v1/assignments/rigid-body/submissions", body, headers
+        )
         try:
             with urllib.request.urlopen(request, timeout=20) as answer:
                 return str(json.load(answer)["id"])
@@ -215,12 +229,16 @@ class Chaos:
                 self.graded.add(str(submission))
 
     def _count(self) -> dict[str, object]:
-        """Wait until all is graded, grade faults again as an instructor would, and compare with what was promised."""
+        """Wait until all is graded, grade faults again as an instructor would, and compare with what was
+        promised.
+        """
         self._until(self._ready, 60)
         self._until(lambda: self._one(_OPEN) == 0)
         faults = self._one("SELECT count(*) FROM result WHERE fault IS NOT NULL")
         again = [sys.executable, "-m", "service.cli", "regrade", "--faults"]
-        subprocess.run(again, env=os.environ | {"POLHODE_DATA": str(self.data)}, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            again, env=os.environ | {"POLHODE_DATA": str(self.data)}, check=True, stdout=subprocess.DEVNULL
+        )
         self._until(lambda: self._one(_OPEN) == 0)
         self._look()
         url = running_url(self.data)
@@ -282,8 +300,13 @@ _LOOK = (
     "SELECT id, task_name, priority, status, args, worker_id FROM procrastinate_jobs LIMIT 9",
     "SELECT *, now() FROM worker ORDER BY seen_at DESC LIMIT 9",
 )
-_RESULTS = "SELECT submission_id, grading_id, coalesce(report::text, fault) FROM result JOIN grading ON id = grading_id"
-_RIGHT = "SELECT DISTINCT submission_id::text FROM grading JOIN result ON grading_id = id WHERE score = max_score"
+_RESULTS = (
+    "SELECT submission_id, grading_id, coalesce(report::text, fault) FROM result JOIN grading ON id ="
+    " grading_id"
+)
+_RIGHT = (
+    "SELECT DISTINCT submission_id::text FROM grading JOIN result ON grading_id = id WHERE score = max_score"
+)
 
 
 def lost(told: dict[str, object]) -> list[str]:
@@ -318,12 +341,16 @@ def _thaw(pid: int) -> None:
 
 def main() -> int:
     """Exit code 0 if nothing was lost."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--port", type=int, default=8765)
     given = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what was started is stopped, however this ends
+    signal.signal(
+        signal.SIGTERM, signal.default_int_handler
+    )  # so that what was started is stopped, however this ends
     folder, began = Path(tempfile.mkdtemp(prefix="polhode-chaos-")), time.monotonic()
     chaos = Chaos(folder / "data", given.port, given.seed)
     try:

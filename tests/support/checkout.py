@@ -1,4 +1,6 @@
-"""What the examples for CI find in place of a checkout of polhode: one whose installation is already done, by our own."""
+"""What the examples for CI find in place of a checkout of polhode: one whose installation is already done, by
+our own.
+"""
 
 import shutil
 import sys

@@ -1,4 +1,6 @@
-"""Run ``polhode`` in this process: the same exit code and output as of a process of its own, without a second of imports."""
+"""Run ``polhode`` in this process: the same exit code and output as of a process of its own, without a second
+of imports.
+"""
 
 import contextlib
 import io
@@ -16,7 +18,9 @@ class Result(NamedTuple):
 
 
 def polhode(*arguments, encoding="utf-8", stderr=None):
-    """Run the command with streams as Python opens them; ``stderr`` replaces the one whose text is returned."""
+    """Run the command with streams as Python opens them; ``stderr`` replaces the one whose text is
+    returned.
+    """
     out = io.TextIOWrapper(io.BytesIO(), encoding=encoding, write_through=True)
     err = io.TextIOWrapper(io.BytesIO(), encoding=encoding, errors="backslashreplace", write_through=True)
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(stderr or err):

@@ -1,6 +1,8 @@
-"""A root of its own as a container has one: the machine's programs read-only, no network, no right to make namespaces.
+"""A root of its own as a container has one: the machine's programs read-only, no network, no right to make
+namespaces.
 
-Of our checkout and its virtual environment nothing is in there but the libraries, at the places ``virtual`` has for them.
+Of our checkout and its virtual environment nothing is in there but the libraries, at the places ``virtual``
+has for them.
 """
 
 import os
@@ -12,28 +14,62 @@ from pathlib import Path
 from service.sandbox.bubblewrap import find_bubblewrap
 
 OURS = ("polhode", "_polhode", "ecp", "__pycache__")
-OF_PIP = ("pip", "setuptools", "pkg_resources", "_distutils_hack", "distutils-precedence")  # a virtual environment gets its own
-ROOTS_RIGHTS = ("CHOWN", "DAC_OVERRIDE", "FOWNER", "KILL", "SETGID", "SETUID")  # such as Docker leaves; SYS_ADMIN is not among them
+OF_PIP = (
+    "pip",
+    "setuptools",
+    "pkg_resources",
+    "_distutils_hack",
+    "distutils-precedence",
+)  # a virtual environment gets its own
+ROOTS_RIGHTS = (
+    "CHOWN",
+    "DAC_OVERRIDE",
+    "FOWNER",
+    "KILL",
+    "SETGID",
+    "SETUID",
+)  # such as Docker leaves; SYS_ADMIN is not among them
 
 
 class Container:
-    """Programs run in there find ``home`` at /autograder, and the libraries installed in the virtual environment ``virtual``."""
+    """Programs run in there find ``home`` at /autograder, and the libraries installed in the virtual
+    environment ``virtual``.
+    """
 
     def __init__(self, home: Path, virtual: str):
-        self._around = [find_bubblewrap(), *_rights(), *_machine(), "--bind", str(home), "/autograder", *_libraries(virtual)]
+        self._around = [
+            find_bubblewrap(),
+            *_rights(),
+            *_machine(),
+            "--bind",
+            str(home),
+            "/autograder",
+            *_libraries(virtual),
+        ]
         self._around += ["--chdir", "/autograder", "--clearenv"]
 
     def run(self, *command, **environment):
-        variables = {"PATH": f"{sys.base_prefix}/bin:/usr/bin:/bin", "HOME": "/tmp", "LC_ALL": "C.UTF-8"} | environment
+        variables = {
+            "PATH": f"{sys.base_prefix}/bin:/usr/bin:/bin",
+            "HOME": "/tmp",
+            "LC_ALL": "C.UTF-8",
+        } | environment
         told = [part for pair in variables.items() for part in ("--setenv", *pair)]
-        return subprocess.run([*self._around, *told, "--", *command], capture_output=True, text=True, check=False, timeout=120)
+        return subprocess.run(
+            [*self._around, *told, "--", *command], capture_output=True, text=True, check=False, timeout=120
+        )
 
 
 def _rights():
     apart = ["--die-with-parent", "--unshare-pid", "--unshare-net", "--unshare-ipc"]
     if os.geteuid() != 0:
         return [*apart, "--unshare-user", "--disable-userns"]
-    return [*apart, "--cap-drop", "ALL", *(part for right in ROOTS_RIGHTS for part in ("--cap-add", f"CAP_{right}"))]
+    return [
+        *apart,
+        "--cap-drop",
+        "ALL",
+        *(part for right in ROOTS_RIGHTS for part in ("--cap-add", f"CAP_{right}")),
+    ]
 
 
 def _machine():
@@ -43,7 +79,13 @@ def _machine():
             args += ["--symlink", os.readlink(folder), str(folder)]
         elif folder.exists():
             args += ["--ro-bind", str(folder), str(folder)]
-    return [*args, *_open_folders(Path(sys.base_prefix).parents[:-1]), "--ro-bind", sys.base_prefix, sys.base_prefix]
+    return [
+        *args,
+        *_open_folders(Path(sys.base_prefix).parents[:-1]),
+        "--ro-bind",
+        sys.base_prefix,
+        sys.base_prefix,
+    ]
 
 
 def _libraries(virtual):
@@ -57,5 +99,7 @@ def _libraries(virtual):
 
 
 def _open_folders(inside_out):
-    """Make the folders that bwrap would make itself, which are closed to the guest's user where root starts it."""
+    """Make the folders that bwrap would make itself, which are closed to the guest's user where root starts
+    it.
+    """
     return [part for folder in reversed(inside_out) for part in ("--perms", "0755", "--dir", str(folder))]

@@ -1,4 +1,6 @@
-"""For tests of every page: a course in which there is something on each of them, with texts of one's choice in every field."""
+"""For tests of every page: a course in which there is something on each of them, with texts of one's choice
+in every field.
+"""
 
 import uuid
 from datetime import UTC, datetime, timedelta
@@ -36,14 +38,23 @@ async def _fill(database, url, sandbox, source, texts):
     name, words = texts["name"], texts["words"]
     staff = [("prof", "instructor"), ("tutor", "assistant"), ("ben", "student", texts["full_name"])]
     async with database.begin() as connection:
-        await people.enroll(connection, [*staff, (name, "student", texts["full_name"], "ann@example.org", "0042")])
+        await people.enroll(
+            connection, [*staff, (name, "student", texts["full_name"], "ann@example.org", "0042")]
+        )
         await audit.record(connection, "prof", "roster", words, {"people": 4, words: words})
     first = await hand_in(database, name, {"2-energy": "✓", "2-momentum": ("✓", 1.5)}, days_ago=2.0)
     real = await _played(database, name, source, texts["filename"], sandbox)
-    bad = await hand_in(database, "ben", {"2-energy": ("✗", 1e-3), "2-momentum": "⏱", "2-motion": "!"}, filename=texts["filename"])
+    bad = await hand_in(
+        database,
+        "ben",
+        {"2-energy": ("✗", 1e-3), "2-momentum": "⏱", "2-motion": "!"},
+        filename=texts["filename"],
+    )
     later = datetime.now(UTC) + timedelta(days=20)
     await queue_overview.set_rules(database, ASSIGNMENT.slug, queue_overview.Rules(later, 3600.0, 20), "prof")
-    await deadlines.extend(database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof")
+    await deadlines.extend(
+        database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof"
+    )
     await overrides.give(database, first, "prof", check="2-energy", points=0, reason=words, seen=0)
     await overrides.give(database, bad, "prof", check=None, points=3, reason=words, seen=0)
     answered = await regrade_requests.request(database, bad, "ben", words)
@@ -56,19 +67,46 @@ async def _fill(database, url, sandbox, source, texts):
     await submissions.grade(database, first, {"2-energy": ("✗", 0.1), "2-momentum": "✓"}, version="2")
     await regrades.apply(database, decided, "prof")
     going = await _queue(database, url, name)
-    paths = {"course": "/", "people": "/people", "class": f"{BASE}/class", "account": "/account", "login": "/login"}
+    paths = {
+        "course": "/",
+        "people": "/people",
+        "class": f"{BASE}/class",
+        "account": "/account",
+        "login": "/login",
+    }
     paths |= {tab: f"{BASE}/class/{tab}" for tab in ("students", "checks", "settings", "submissions")}
-    paths |= {"chosen": f"{BASE}/class/submissions?check=2-momentum&state=not-pass", "queue": "/queue", "audit": "/audit"}
-    paths |= {"passed": f"/submissions/{first}", "failed": f"/submissions/{real}", "given": f"/submissions/{bad}"}
+    paths |= {
+        "chosen": f"{BASE}/class/submissions?check=2-momentum&state=not-pass",
+        "queue": "/queue",
+        "audit": "/audit",
+    }
+    paths |= {
+        "passed": f"/submissions/{first}",
+        "failed": f"/submissions/{real}",
+        "given": f"/submissions/{bad}",
+    }
     paths |= {
         "changed": f"/submissions/{real}/diff",
         "regrades": f"{BASE}/regrades",
         "requests": f"{BASE}/regrade-requests",
         "regrade": f"/regrades/{regrade}",
     }
-    paths |= {"waiting": f"/submissions/{going}", "applied": f"/regrades/{decided}", "attempts": BASE, "reference": "/reference"}
-    paths |= {"person": f"/person?name={quote(name)}", "search": "/search?q=a", "course settings": "/settings", "api": "/docs"}
-    return paths | {"problem": "/submissions/none", "nobody": f"{BASE}/class/submissions?check=2-energy&state=timeout"}
+    paths |= {
+        "waiting": f"/submissions/{going}",
+        "applied": f"/regrades/{decided}",
+        "attempts": BASE,
+        "reference": "/reference",
+    }
+    paths |= {
+        "person": f"/person?name={quote(name)}",
+        "search": "/search?q=a",
+        "course settings": "/settings",
+        "api": "/docs",
+    }
+    return paths | {
+        "problem": "/submissions/none",
+        "nobody": f"{BASE}/class/submissions?check=2-energy&state=timeout",
+    }
 
 
 async def _played(database, name, source, filename, sandbox):
@@ -90,10 +128,19 @@ async def _queue(database, url, name):
     sql(url, ended, grading_ids[2], claimed[1].run, f"the worker of {name} was lost")
     sql(url, "UPDATE run SET ended_at = now(), end_reason = 'failed' WHERE id = %s", claimed[1].run)
     sql(
-        url, "UPDATE run SET scene_at = now() - interval '8 s', heartbeat_at = now() + interval '1 h' WHERE id = %s", claimed[0].run
+        url,
+        "UPDATE run SET scene_at = now() - interval '8 s', heartbeat_at = now() + interval '1 h' WHERE id"
+        " = %s",
+        claimed[0].run,
     )
-    sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)", [str(grading_ids[k]) for k in (0, 1, 2)])
+    sql(
+        url,
+        "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)",
+        [str(grading_ids[k]) for k in (0, 1, 2)],
+    )
     for worker, refusal in (("test worker", None), ("another worker", "no user namespaces")):
-        await workers.register_worker(database, worker, None if refusal else "namespaces: bubblewrap", refusal)
+        await workers.register_worker(
+            database, worker, None if refusal else "namespaces: bubblewrap", refusal
+        )
     sql(url, "UPDATE worker SET seen_at = now() + interval '1 h'")
     return ids[3]

@@ -1,4 +1,6 @@
-"""Notebooks of our own in the shape in which the course publishes its notebooks, and as students hand them in."""
+"""Notebooks of our own in the shape in which the course publishes its notebooks, and as students hand them
+in.
+"""
 
 import json
 from pathlib import Path
@@ -13,9 +15,18 @@ SOLUTIONS = (
     "area = 4 * sum(1 / (2 * k + 1) * (-1) ** k for k in range(9999))\n",
 )
 CHECKS = (
-    'validate.close(double(total), 20, "twice the sum is 20")\nvalidate.check(total > 0, "the sum is positive", f"sum {total}")\n',
-    'for n, power in enumerate(powers):\n    validate.close(power, 2**n, f"2 to the power {n}", rtol=1e-12)\n',
-    'validate.close(area, np.pi, "the series is near π", rtol=1e-3)\nvalidate.positive(area, label="the area is positive")\n',
+    (
+        'validate.close(double(total), 20, "twice the sum is 20")\nvalidate.check(total > 0, "the sum is'
+        ' positive", f"sum {total}")\n'
+    ),
+    (
+        'for n, power in enumerate(powers):\n    validate.close(power, 2**n, f"2 to the power {n}",'
+        " rtol=1e-12)\n"
+    ),
+    (
+        'validate.close(area, np.pi, "the series is near π", rtol=1e-3)\nvalidate.positive(area, label="the'
+        ' area is positive")\n'
+    ),
 )
 
 
@@ -29,7 +40,9 @@ def notebook(*cells):
 
 
 def published(solutions=(HIDDEN,) * 3, setup=SETUP, checks=CHECKS):
-    """Three exercises. ``solutions``, ``setup`` and ``checks`` are the sources of the cells; None leaves a cell out."""
+    """Three exercises. ``solutions``, ``setup`` and ``checks`` are the sources of the cells; None leaves a
+    cell out.
+    """
     cells = [
         ("markdown", "title", [], "# 9.9 Small sums"),
         ("markdown", "setup-text", [], "## Setup"),
@@ -47,7 +60,10 @@ def published(solutions=(HIDDEN,) * 3, setup=SETUP, checks=CHECKS):
 
 def bare(*sources):
     """A notebook of code cells without ids, as `ecp.submit` sends it."""
-    cells = [{"cell_type": "code", "metadata": {}, "source": s, "outputs": [], "execution_count": None} for s in sources]
+    cells = [
+        {"cell_type": "code", "metadata": {}, "source": s, "outputs": [], "execution_count": None}
+        for s in sources
+    ]
     return json.dumps({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 4})
 
 

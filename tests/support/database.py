@@ -42,13 +42,17 @@ def sql(url, statement, *values):
 
 
 def connections_left(url, reported=frozenset(), seconds=5.0):
-    """Descriptions, by process id, of the other connections to any database of the server that stay open for so long.
+    """Descriptions, by process id, of the other connections to any database of the server that stay open for
+    so long.
 
     Without those ``reported`` before. A closed connection is listed until its process has ended.
     """
     columns, until = "pid, application_name, datname, state, query", time.monotonic() + seconds
     # nor the connection of the query before this one, which may still be closing
-    query = f"SELECT {columns} FROM pg_stat_activity WHERE backend_type = 'client backend' AND query <> current_query()"
+    query = (
+        f"SELECT {columns} FROM pg_stat_activity WHERE backend_type = 'client backend' AND query <>"
+        " current_query()"
+    )
     while True:
         left = {
             pid: f"{name or 'no name'} ({database}, {state}: {last:.60})"
@@ -68,7 +72,11 @@ def jump(url, hours):
         "grading": ("requested_at",),
         "worker": ("seen_at",),
     }.items():
-        sql(url, f"UPDATE {table} SET " + ", ".join(f"{c} = {c} - make_interval(hours => {hours})" for c in columns))
+        sql(
+            url,
+            f"UPDATE {table} SET "
+            + ", ".join(f"{c} = {c} - make_interval(hours => {hours})" for c in columns),
+        )
 
 
 def new_database(url, template):

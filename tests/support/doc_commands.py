@@ -20,7 +20,10 @@ curl --silent --fail --retry 120 --retry-delay 1 --retry-all-errors http://local
 
 def blocks(page: Path) -> list[str]:
     """Return the blocks of shell commands of a page."""
-    return [textwrap.dedent(text) for _, text in re.findall(r"^( *)```sh\n(.*?)^\1```", page.read_text(), re.MULTILINE | re.DOTALL)]
+    return [
+        textwrap.dedent(text)
+        for _, text in re.findall(r"^( *)```sh\n(.*?)^\1```", page.read_text(), re.MULTILINE | re.DOTALL)
+    ]
 
 
 def polhode_lines(page: Path) -> list[str]:
@@ -31,12 +34,24 @@ def polhode_lines(page: Path) -> list[str]:
 
 
 def run(page: Path, folder: Path, *, server: bool = False) -> None:
-    """Run all blocks of a page as one script in ``folder``; with ``server`` start a server first. Raises if a command fails."""
-    script = "\n".join([SERVE] * server + blocks(page)).replace(SERVE, START).replace("8000", str(free_port()))
+    """Run all blocks of a page as one script in ``folder``; with ``server`` start a server first. Raises if a
+    command fails.
+    """
+    script = (
+        "\n".join([SERVE] * server + blocks(page)).replace(SERVE, START).replace("8000", str(free_port()))
+    )
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    environment = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_")} | {"PATH": path, "TOKEN": "none"}
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_")} | {
+        "PATH": path,
+        "TOKEN": "none",
+    }
     environment["PYTHONPATH"] = str(ROOT)
     ended = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        ["bash", "-euo", "pipefail", "-c", script],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert ended.returncode == 0, f"{ended.stdout[-3000:]}\n{ended.stderr[-3000:]}"

@@ -1,4 +1,6 @@
-"""Doubles for talking HTTP: a real server on loopback that answers by a script, and a browser that really fetches."""
+"""Doubles for talking HTTP: a real server on loopback that answers by a script, and a browser that really
+fetches.
+"""
 
 import asyncio
 import json
@@ -24,7 +26,9 @@ class Seen(NamedTuple):
 
 
 class Scripted:
-    """``script`` holds what is done with one request after the other; the last of it is done again and again."""
+    """``script`` holds what is done with one request after the other;
+    the last of it is done again and again.
+    """
 
     def __init__(self, tls: ssl.SSLContext | None = None) -> None:
         self.script: list[Callable[[BaseHTTPRequestHandler], None]] = []
@@ -129,8 +133,12 @@ class JsException(Exception):
 
 
 def browser(*, waits: bool) -> dict[str, types.ModuleType]:
-    """``js`` and ``pyodide`` as a kernel finds them in a web worker; with ``waits`` Python can wait for promises there."""
-    js, pyodide, ffi, http = (types.ModuleType(name) for name in ("js", "pyodide", "pyodide.ffi", "pyodide.http"))
+    """``js`` and ``pyodide`` as a kernel finds them in a web worker; with ``waits`` Python can wait for
+    promises there.
+    """
+    js, pyodide, ffi, http = (
+        types.ModuleType(name) for name in ("js", "pyodide", "pyodide.ffi", "pyodide.http")
+    )
     js.XMLHttpRequest = _Request
     ffi.JsException, ffi.to_js, ffi.can_run_sync = JsException, _Buffer, lambda: waits
     ffi.run_sync, http.pyfetch = asyncio.run, _pyfetch
@@ -193,7 +201,9 @@ async def _pyfetch(url, *, method, headers, cache, body=None):
         return _Buffer(content)
 
     js_response = types.SimpleNamespace(arrayBuffer=buffer)
-    return types.SimpleNamespace(status=status, headers={k.lower(): v for k, v in told.items()}, js_response=js_response, url=at)
+    return types.SimpleNamespace(
+        status=status, headers={k.lower(): v for k, v in told.items()}, js_response=js_response, url=at
+    )
 
 
 class _CutOff(ConnectionError):

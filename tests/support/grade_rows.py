@@ -8,7 +8,12 @@ TITLE, CHECKS = "2.6 Rigid-Body Rotation", ("2-energy", "2-motion")
 
 
 def row(student, points=None, **more):
-    about = {"assignment": "rigid-body", "title": TITLE, "max_points": 2, "due_at": datetime(2026, 3, 1, 12, tzinfo=UTC)}
+    about = {
+        "assignment": "rigid-body",
+        "title": TITLE,
+        "max_points": 2,
+        "due_at": datetime(2026, 3, 1, 12, tzinfo=UTC),
+    }
     sent = {
         "submission": f"00000000-0000-0000-0000-{len(student):012}",
         "submitted_at": datetime(2026, 2, 28, 23, 59, 58, 123456, UTC),
@@ -19,7 +24,10 @@ def row(student, points=None, **more):
         "score": points,
         "counted": 2,
         "grader": "polhode 0.1.0, assignment version 1",
-        "checks": {"2-energy": "pass" if points else "fail", "2-motion": "pass" if points == 2 else "timeout"},
+        "checks": {
+            "2-energy": "pass" if points else "fail",
+            "2-motion": "pass" if points == 2 else "timeout",
+        },
         "worth": {"2-energy": 1, "2-motion": 1},
         "earned": {"2-energy": int(bool(points)), "2-motion": int(points == 2)},
     }
@@ -43,5 +51,12 @@ CLASS = [
         earned={"2-energy": 0, "2-motion": 0},
     ),
     row("dora", **known("dora", "Dora Çelik", "00817")),
-    row("eve", status="faulted", submission="f", submitted_at=datetime(2026, 3, 1, 11, tzinfo=UTC), late=False, attempts=1),
+    row(
+        "eve",
+        status="faulted",
+        submission="f",
+        submitted_at=datetime(2026, 3, 1, 11, tzinfo=UTC),
+        late=False,
+        attempts=1,
+    ),
 ]

@@ -9,9 +9,13 @@ from service.sandbox.sandbox import Sandbox
 
 
 def lend(sandbox, monkeypatch):
-    """Let what this process grades run in ``sandbox``; the processes of ``--jobs 2`` start a guest each as always."""
+    """Let what this process grades run in ``sandbox``; the processes of ``--jobs 2`` start a guest each as
+    always.
+    """
     here = os.getpid()
     monkeypatch.setattr(sandbox, "close", lambda: None)
     for module in (batch, sys.modules["service.sandbox.sandbox"]):
-        monkeypatch.setattr(module, "Sandbox", lambda *options: sandbox if os.getpid() == here else Sandbox(*options))
+        monkeypatch.setattr(
+            module, "Sandbox", lambda *options: sandbox if os.getpid() == here else Sandbox(*options)
+        )
     monkeypatch.setattr(guest_process, "GuestProcess", lambda *options, libraries: None)

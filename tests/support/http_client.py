@@ -32,12 +32,14 @@ def post(server, document, **headers):
 
 
 class Browser:
-    """A browser without a screen at ``server``, anything with a ``url``: it keeps cookies, follows redirects, and sends forms with
-    the hidden fields it was shown. ``headers`` go with every request."""
+    """A browser without a screen at ``server``, anything with a ``url``: it keeps cookies, follows redirects,
+    and sends forms with the hidden fields it was shown. ``headers`` go with every request."""
 
     def __init__(self, server, **headers):
         self.server, self.cookies = server, http.cookiejar.CookieJar()
-        self.headers = {"Accept": "text/html,*/*;q=0.8"} | {name.replace("_", "-"): value for name, value in headers.items()}
+        self.headers = {"Accept": "text/html,*/*;q=0.8"} | {
+            name.replace("_", "-"): value for name, value in headers.items()
+        }
         self._opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(self.cookies))
         self.at, self.answer = "", {}  # the address it ended up at, the headers of the answer
 
@@ -56,7 +58,9 @@ class Browser:
                 return error.code, error.read().decode()
 
     def send(self, path, page=None, origin=None, **fields):
-        """Status and page after a form of ``page`` (default: the one to log in with, or the account's) was sent to ``path``."""
+        """Status and page after a form of ``page`` (default: the one to log in with, or the account's) was
+        sent to ``path``.
+        """
         shown = self.open(page or ("/login" if path in ("/login", "/logout") else "/account"))[1]
         token = HIDDEN.search(shown)
         assert token, f"no form at {page}"

@@ -1,5 +1,6 @@
-"""A real JupyterHub as its own process on loopback, without its proxy from npm and without notebook servers: its database, its
-REST API, its tokens and scopes are all there. A person's server is only written down: what a kernel would find in its environment.
+"""A real JupyterHub as its own process on loopback, without its proxy from npm and without notebook servers:
+its database, its REST API, its tokens and scopes are all there. A person's server is only written down: what
+a kernel would find in its environment.
 """
 
 import json
@@ -74,20 +75,34 @@ class Hub:
         port = free_port()
         self.url = f"http://127.0.0.1:{port}"
         self.api_url = f"{self.url}/hub/api"
-        self.service_token, self._token = secrets.token_hex(16), secrets.token_hex(16)  # of the service called polhode; of ours
+        self.service_token, self._token = (
+            secrets.token_hex(16),
+            secrets.token_hex(16),
+        )  # of the service called polhode; of ours
         self._folder = folder.absolute()
-        own = {"PORT": port, "FOLDER": str(self._folder), "TOKEN": self._token, "SERVICE_TOKEN": self.service_token}
+        own = {
+            "PORT": port,
+            "FOLDER": str(self._folder),
+            "TOKEN": self._token,
+            "SERVICE_TOKEN": self.service_token,
+        }
         values = [f"{name} = {value!r}" for name, value in own.items()]
         (folder / "jupyterhub_config.py").write_text("\n".join([advised, *values, CONFIG]))
-        (folder / "rfc3987_syntax.py").write_text("raise ImportError\n")  # does without; it takes 1.5 s to import
+        (folder / "rfc3987_syntax.py").write_text(
+            "raise ImportError\n"
+        )  # does without; it takes 1.5 s to import
         self.start()
 
     def start(self) -> None:
-        """Start it, also again with what it had stored; ``stop()`` ended all servers, and their tokens with them."""
+        """Start it, also again with what it had stored; ``stop()`` ended all servers, and their tokens with
+        them.
+        """
         command = [sys.executable, "-m", "jupyterhub", "-f", "jupyterhub_config.py"]
         own = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTERHUB_")}
         with (self._folder / "hub.log").open("ab") as log:
-            self.process = subprocess.Popen(command, cwd=self._folder, env=own, stdin=subprocess.PIPE, stdout=log, stderr=log)
+            self.process = subprocess.Popen(
+                command, cwd=self._folder, env=own, stdin=subprocess.PIPE, stdout=log, stderr=log
+            )
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline and self.process.poll() is None:
             try:
@@ -104,7 +119,9 @@ class Hub:
             return self.process.wait(30)
 
     def kernel(self, person: str) -> dict[str, str]:
-        """What a kernel of the person finds in its environment, their server being started where it was not."""
+        """What a kernel of the person finds in its environment,
+        their server being started where it was not.
+        """
         self._must("POST", f"/users/{_quoted(person)}", {201, 409})
         self._must("POST", f"/users/{_quoted(person)}/server", {201, 400})
         return json.loads((self._folder / f"{_quoted(person)}.json").read_text())
@@ -113,11 +130,15 @@ class Hub:
         self._must("DELETE", f"/users/{_quoted(person)}/server", {204})
 
     def token_of(self, person: str, *scopes: str, **more: object) -> str:
-        """The token of the person's kernels; with scopes a new one of just these, e.g. ``inherit``, or ``expires_in=1`` s."""
+        """The token of the person's kernels; with scopes a new one of just these, e.g. ``inherit``, or
+        ``expires_in=1`` s.
+        """
         if not scopes:
             return self.kernel(person)["JUPYTERHUB_API_TOKEN"]
         self._must("POST", f"/users/{_quoted(person)}", {201, 409})
-        return self._must("POST", f"/users/{_quoted(person)}/tokens", {201}, {"scopes": scopes, **more})["token"]
+        return self._must("POST", f"/users/{_quoted(person)}/tokens", {201}, {"scopes": scopes, **more})[
+            "token"
+        ]
 
     def revoke(self, token: str) -> None:
         whose = self.call("GET", "/user", token)[1]
@@ -126,7 +147,9 @@ class Hub:
     def call(self, method: str, path: str, token: str, body: object = None) -> tuple[int, dict]:
         """Status and document of a request to the Hub's REST API."""
         data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.api_url + path, data, {"Authorization": f"token {token}"}, method=method)
+        request = urllib.request.Request(
+            self.api_url + path, data, {"Authorization": f"token {token}"}, method=method
+        )
         try:
             with urllib.request.urlopen(request, timeout=30) as answer:
                 return answer.status, json.loads(answer.read() or b"{}")

@@ -1,5 +1,6 @@
-"""Machines to run workers on. As root each has a network namespace and an address of its own, joined to ours by a cable that can
-be cut; otherwise it is a process on loopback, and the cut is a freeze, as only the kernel's side of it differs.
+"""Machines to run workers on. As root each has a network namespace and an address of its own, joined to ours
+by a cable that can be cut; otherwise it is a process on loopback, and the cut is a freeze, as only the
+kernel's side of it differs.
 """
 
 import asyncio
@@ -19,7 +20,9 @@ ID = f"{os.getpid() % 100000:05d}"
 def namespaces_work():
     if not ROOT or shutil.which("ip") is None:
         return False
-    made = subprocess.run(["ip", "netns", "add", f"ph{ID}t"], capture_output=True, check=False).returncode == 0
+    made = (
+        subprocess.run(["ip", "netns", "add", f"ph{ID}t"], capture_output=True, check=False).returncode == 0
+    )
     subprocess.run(["ip", "netns", "delete", f"ph{ID}t"], capture_output=True, check=False)
     return made
 
@@ -64,7 +67,9 @@ class Machine:
         self.output = output
         self.name, self.cable = f"ph{ID}{number}", f"ph{ID}v{number}"
         self.ours, self.theirs = (
-            (f"10.{200 + os.getpid() % 50}.{number}.{k}" for k in (1, 2)) if NAMESPACES else ("127.0.0.1", "127.0.0.1")
+            (f"10.{200 + os.getpid() % 50}.{number}.{k}" for k in (1, 2))
+            if NAMESPACES
+            else ("127.0.0.1", "127.0.0.1")
         )
         self.process = None
         if NAMESPACES:
@@ -119,7 +124,9 @@ class Machine:
 
 
 class Relay(threading.Thread):
-    """Carries TCP connections from another machine to the socket of an embedded database, which has no port."""
+    """Carries TCP connections from another machine to the socket of an embedded database,
+    which has no port.
+    """
 
     def __init__(self, address, data):
         super().__init__(daemon=True)

@@ -1,4 +1,6 @@
-"""Every message that polhode can show, collected from its source: ``python -m tests.support.messages`` writes docs/messages.md."""
+"""Every message that polhode can show, collected from its source: ``python -m tests.support.messages`` writes
+docs/messages.md.
+"""
 
 import ast
 import re
@@ -23,7 +25,9 @@ SECTIONS = {
     "Sandbox, grading and formats": ("service/sandbox/", "service/grading/", "service/formats/"),
     "The students' kit": ("exercises/kit/",),
     "Assignments: declaration": ("exercises/",),
-    "Assignments of the course": tuple(f"exercises/{p.parent.name}/" for p in sorted(ROOT.glob("exercises/*/assignment.py"))),
+    "Assignments of the course": tuple(
+        f"exercises/{p.parent.name}/" for p in sorted(ROOT.glob("exercises/*/assignment.py"))
+    ),
     "Physics": ("reference/",),
 }
 HEAD = """# Every message
@@ -34,8 +38,10 @@ A message says what failed, then what to do.
 """
 # Calls whose arguments are shown, besides those that raise; the class or function by its last name.
 SHOWN = {
-    "Problem", "Diagnosis", "SceneEnd", "WrongAnswer", "Mistake", "print", "unmeasured", "Outcome", "SweepResult", "_cause",
-    "cause", "error", "warning", "log", "close", "within", "conserved", "below", "holds", "shows", "Judgement", "Case",
+    "Problem", "Diagnosis", "SceneEnd", "WrongAnswer", "Mistake", "print", "unmeasured", "Outcome",
+    "SweepResult", "_cause",
+    "cause", "error", "warning", "log", "close", "within", "conserved", "below", "holds", "shows",
+    "Judgement", "Case",
     "Figure", "Animation", "Motion",
 }  # fmt: skip
 KEYWORDS = {
@@ -77,7 +83,11 @@ def messages(path: Path) -> list[str]:
     if path.suffix == ".html":
         return list(dict.fromkeys(_template(path.read_text())))
     tree = ast.parse(path.read_text())
-    found = [(node.lineno, node.col_offset, " ".join(text.split())) for node, text in _in_code(tree) if _is_sentence(text)]
+    found = [
+        (node.lineno, node.col_offset, " ".join(text.split()))
+        for node, text in _in_code(tree)
+        if _is_sentence(text)
+    ]
     return list(dict.fromkeys(text for *_, text in sorted(found)))
 
 
@@ -85,13 +95,27 @@ def document() -> str:
     """Return docs/messages.md as it should be."""
     parts = [HEAD]
     files = [
-        p for top in ("service", "exercises", "reference") for p in sorted((ROOT / top).rglob("*")) if p.suffix in (".py", ".html")
+        p
+        for top in ("service", "exercises", "reference")
+        for p in sorted((ROOT / top).rglob("*"))
+        if p.suffix in (".py", ".html")
     ]
     names = {p: str(p.relative_to(ROOT)) for p in files if "samples" not in p.parts}
     for section, folders in SECTIONS.items():
-        deeper = [f for other in SECTIONS.values() for f in other if f not in folders and any(f.startswith(g) for g in folders)]
-        mine = [p for p, name in names.items() if name.startswith(folders) and not name.startswith(tuple(deeper))]
-        blocks = [f"`{names[p]}`\n\n```text\n" + "\n".join(found) + "\n```\n" for p in mine if (found := messages(p))]
+        deeper = [
+            f
+            for other in SECTIONS.values()
+            for f in other
+            if f not in folders and any(f.startswith(g) for g in folders)
+        ]
+        mine = [
+            p for p, name in names.items() if name.startswith(folders) and not name.startswith(tuple(deeper))
+        ]
+        blocks = [
+            f"`{names[p]}`\n\n```text\n" + "\n".join(found) + "\n```\n"
+            for p in mine
+            if (found := messages(p))
+        ]
         parts.append(f"## {section}\n\n" + "\n".join(blocks))
     return "\n".join(parts)
 
@@ -110,10 +134,16 @@ def _in_code(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
             case ast.GeneratorExp(elt=value) | ast.ListComp(elt=value):
                 yield from ((v, t) for v, t in _direct(value) if _reads_as_prose(t))
             case ast.Dict(values=values) | ast.Tuple(elts=values) | ast.List(elts=values):
-                yield from ((v, t) for v in values if v is not None for v, t in _direct(v) if _reads_as_prose(t))
+                yield from (
+                    (v, t) for v in values if v is not None for v, t in _direct(v) if _reads_as_prose(t)
+                )
             case ast.Yield(value=ast.expr() as value) | ast.Return(value=ast.expr() as value):
                 yield from ((v, t) for v, t in _direct(value) if _reads_as_prose(t))
-            case ast.Assign(value=value) | ast.AugAssign(value=value) | ast.AnnAssign(value=ast.expr() as value):
+            case (
+                ast.Assign(value=value)
+                | ast.AugAssign(value=value)
+                | ast.AnnAssign(value=ast.expr() as value)
+            ):
                 yield from ((v, t) for v, t in _direct(value) if _reads_as_prose(t))
 
 
@@ -129,7 +159,10 @@ def _strings(node: ast.AST) -> Iterator[tuple[ast.expr, str]]:
 def _direct(node: ast.expr) -> Iterator[tuple[ast.expr, str]]:
     match node:
         case ast.Constant(value=str(text)):
-            yield node, re.sub(r"\{[\w%]+_[qrt](:\.0)?\}", "…", text)  # the parts in the sentences of exercises/mutation.py
+            yield (
+                node,
+                re.sub(r"\{[\w%]+_[qrt](:\.0)?\}", "…", text),
+            )  # the parts in the sentences of exercises/mutation.py
         case ast.JoinedStr(values=values):
             yield node, "".join(str(v.value) if isinstance(v, ast.Constant) else "…" for v in values)
         case ast.IfExp(body=one, orelse=other) | ast.BinOp(left=one, op=ast.Add(), right=other):
@@ -147,14 +180,17 @@ def _is_sentence(text: str) -> bool:
 
 
 def _reads_as_prose(text: str) -> bool:
-    """Return whether a string outside a known call is a sentence: three words, or or one with a full stop; no code."""
+    """Return whether a string outside a known call is a sentence: three words, or or one with a full stop; no
+    code.
+    """
     return (len(re.findall(r"\b[a-z]+\b", text)) >= 3 or bool(_WORD.fullmatch(text))) and not _is_code(text)
 
 
 def _is_code(text: str) -> bool:
     return bool(
         re.search(
-            r"\b(SELECT|UPDATE|INSERT|DELETE|WHERE|FROM|CREATE|ALTER|CASE WHEN|EXISTS)\b|\bimport \w|^\s*<|def \w+\(|::\w+ |-c \w+="
+            r"\b(SELECT|UPDATE|INSERT|DELETE|WHERE|FROM|CREATE|ALTER|CASE WHEN|EXISTS)\b|\bimport"
+            r" \w|^\s*<|def \w+\(|::\w+ |-c \w+="
             r"|\b\w+-src '|^[a-z]+/[a-z.-]+;|^attachment; |\bno-cache\b|\{-?-?[a-z-]+:",
             text,
         )
@@ -175,18 +211,32 @@ class _Text(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.found += [
-            f"({name}) {value}" for name, value in attrs if name in ("aria-label", "title", "placeholder", "alt") and value
+            f"({name}) {value}"
+            for name, value in attrs
+            if name in ("aria-label", "title", "placeholder", "alt") and value
         ]
 
 
 def _template(text: str) -> Iterator[str]:
-    """The visible text of a Jinja template, a line for each piece between tags; text inside expressions counts too."""
-    quoted = [t for block in re.findall(r"\{[{%](.*?)[%}]\}", text, re.DOTALL) for t in re.findall(r'"([^"]+)"', block)]
+    """The visible text of a Jinja template, a line for each piece between tags; text inside expressions
+    counts too.
+    """
+    quoted = [
+        t
+        for block in re.findall(r"\{[{%](.*?)[%}]\}", text, re.DOTALL)
+        for t in re.findall(r'"([^"]+)"', block)
+    ]
     parser = _Text()
-    parser.feed(re.sub(r"\{\{.*?\}\}", "…", re.sub(r"\{%.*?%\}|\{#.*?#\}", " ", text, flags=re.DOTALL), flags=re.DOTALL))
+    parser.feed(
+        re.sub(
+            r"\{\{.*?\}\}", "…", re.sub(r"\{%.*?%\}|\{#.*?#\}", " ", text, flags=re.DOTALL), flags=re.DOTALL
+        )
+    )
     for piece in [*parser.found, *quoted]:
         line = " ".join(piece.split())
-        if re.search(r"[A-Za-z]{3,}", line) and not re.search(r"^[a-z-]+(\.html)?$|^[a-z_/-]+/|[{};]|^~|~$", line):
+        if re.search(r"[A-Za-z]{3,}", line) and not re.search(
+            r"^[a-z-]+(\.html)?$|^[a-z_/-]+/|[{};]|^~|~$", line
+        ):
             yield line
 
 

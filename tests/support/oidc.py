@@ -1,6 +1,8 @@
-"""An OpenID provider as its own process on loopback, oidc-provider-mock; on request it misbehaves in ways a client has to notice.
+"""An OpenID provider as its own process on loopback, oidc-provider-mock; on request it misbehaves in ways a
+client has to notice.
 
-It also holds its clients to PKCE, which the package does not: the verifier must be the one the challenge was made of.
+It also holds its clients to PKCE, which the package does not: the verifier must be the one the challenge was
+made of.
 """
 
 import base64
@@ -22,7 +24,9 @@ PUBLIC = "a public client"
 
 
 class Provider:
-    """It ends with this process. ``tamper`` tells what it does to the next answers, "" for nothing; see ``Tampering``."""
+    """It ends with this process. ``tamper`` tells what it does to the next answers, "" for nothing; see
+    ``Tampering``.
+    """
 
     def __init__(self):
         self.port = free_port()
@@ -33,7 +37,11 @@ class Provider:
         command = [sys.executable, "-W", "ignore", "-m", "tests.support.oidc", str(self.port)]
         environment = os.environ | {"AUTHLIB_INSECURE_TRANSPORT": "1"}
         self.process = subprocess.Popen(
-            command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            command,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
         )
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline and self.process.poll() is None:
@@ -59,7 +67,8 @@ class Provider:
     def _put(self, path, document):
         headers = {"Content-Type": "application/json"}
         urllib.request.urlopen(
-            urllib.request.Request(self.url + path, json.dumps(document).encode(), headers, method="PUT"), timeout=10
+            urllib.request.Request(self.url + path, json.dumps(document).encode(), headers, method="PUT"),
+            timeout=10,
         ).close()
 
 
@@ -79,7 +88,11 @@ class Tampering:
             return self._authorize(environ, start_response)
         if path == "/oauth2/token":
             return self._token(environ, start_response)
-        if path == "/.well-known/openid-configuration" and self.how in ("broken", "other issuer", "offers none"):
+        if path == "/.well-known/openid-configuration" and self.how in (
+            "broken",
+            "other issuer",
+            "offers none",
+        ):
             return self._discovery(environ, start_response)
         return self.app(environ, start_response)
 
@@ -100,11 +113,19 @@ class Tampering:
     def _token(self, environ, start_response):
         body = environ["wsgi.input"].read(int(environ["CONTENT_LENGTH"]))
         sent = dict(urllib.parse.parse_qsl(body.decode()))
-        challenge = base64.urlsafe_b64encode(sha256(sent.get("code_verifier", "").encode()).digest()).rstrip(b"=").decode()
+        challenge = (
+            base64.urlsafe_b64encode(sha256(sent.get("code_verifier", "").encode()).digest())
+            .rstrip(b"=")
+            .decode()
+        )
         if challenge != self.challenges.pop(sent.get("code"), None):
             start_response("400 Bad Request", [("Content-Type", "application/json")])
             return [b'{"error": "invalid_grant"}']
-        if "HTTP_AUTHORIZATION" not in environ and sent.get("client_id") == PUBLIC and "client_secret" not in sent:
+        if (
+            "HTTP_AUTHORIZATION" not in environ
+            and sent.get("client_id") == PUBLIC
+            and "client_secret" not in sent
+        ):
             body += b"&client_secret=any"  # the package knows no public clients, but takes any secret
             environ["CONTENT_LENGTH"] = str(len(body))
         environ["wsgi.input"] = _Body(body)
@@ -183,7 +204,9 @@ def main(port):
 
         with app.test_request_context():
             app.preprocess_request()
-            return storage.jwk.as_pem(True)  # with the private part; the class of the key depends on the package's version
+            return storage.jwk.as_pem(
+                True
+            )  # with the private part; the class of the key depends on the package's version
 
     def serve(environ, start_response):
         return app.wsgi_app(environ, start_response)

@@ -1,7 +1,8 @@
 """Draw the pictures of docs/pages.md from a running demonstration: ``python -m tests.support.page_images``.
 
-Start ``make demo`` first and wait until the queue is empty; POLHODE_DATA is its folder, by default .demo. The pictures are of a
-second server on its database, on which people log in. ``--width 390 --folder DIR --whole`` shows whole pages as on a phone.
+Start ``make demo`` first and wait until the queue is empty; POLHODE_DATA is its folder, by default .demo. The
+pictures are of a second server on its database, on which people log in. ``--width 390 --folder DIR --whole``
+shows whole pages as on a phone.
 """
 
 import argparse
@@ -34,11 +35,14 @@ SCROLLED = """async () => {
 }"""
 # A student whose submission of all exercises failed and who later submitted one that passed.
 CHOSEN = """
-SELECT p.name, min(s.id::text) FILTER (WHERE r.score < r.max_score), min(s.id::text) FILTER (WHERE r.score = r.max_score)
-FROM submission s JOIN person p ON p.id = s.person_id JOIN grading g ON g.submission_id = s.id AND g.number = 1
+SELECT p.name, min(s.id::text) FILTER (WHERE r.score < r.max_score),
+  min(s.id::text) FILTER (WHERE r.score = r.max_score)
+FROM submission s JOIN person p ON p.id = s.person_id JOIN grading g ON g.submission_id = s.id
+  AND g.number = 1
     JOIN result r ON r.grading_id = g.id JOIN assignment x ON x.id = s.assignment_id
 WHERE x.slug = 'rigid-body' AND starts_with(p.name, 'student-') AND r.report IS NOT NULL
-GROUP BY p.name HAVING bool_or(r.score = r.max_score AND r.score > 30) AND bool_or(r.score < r.max_score AND r.score > 1)
+GROUP BY p.name HAVING bool_or(r.score = r.max_score AND r.score > 30) AND bool_or(r.score < r.max_score
+  AND r.score > 1)
 ORDER BY p.name LIMIT 1
 """
 
@@ -64,7 +68,9 @@ def main() -> None:
 
 
 def prepare(url):
-    """Enter a comment and a regrade once. Return the student's name, and (who, address) of every page by its name."""
+    """Enter a comment and a regrade once. Return the student's name, and (who, address) of every page by its
+    name.
+    """
     ((student, failed, passed),) = sql(url, CHOSEN)
     if not sql(url, "SELECT 1 FROM source_comment"):
         run(url, lambda database: comments.write(database, failed, "prof", cell=1, line=6, comment=COMMENT))
@@ -94,14 +100,20 @@ def prepare(url):
 
 def wait_for_gradings(url):
     """Return when the running demonstration has graded everything."""
-    while sql(url, "SELECT 1 FROM grading a LEFT JOIN result r ON r.grading_id = a.id WHERE r.grading_id IS NULL LIMIT 1"):
+    while sql(
+        url,
+        "SELECT 1 FROM grading a LEFT JOIN result r ON r.grading_id = a.id WHERE r.grading_id IS NULL"
+        " LIMIT 1",
+    ):
         time.sleep(2)
 
 
 def draw(address, tokens, pages, arguments):
     """Write NAME-light.png and NAME-dark.png of each page."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"])
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+        )
         for scheme in ("light", "dark"):
             for who, token in tokens.items():
                 context = browser.new_context(
@@ -122,7 +134,10 @@ def draw(address, tokens, pages, arguments):
                         if "#" in path:
                             page.evaluate("document.querySelector(location.hash).scrollIntoView()")
                         page.wait_for_timeout(300)
-                        save(page.screenshot(full_page=arguments.whole), arguments.folder / f"{name}-{scheme}.png")
+                        save(
+                            page.screenshot(full_page=arguments.whole),
+                            arguments.folder / f"{name}-{scheme}.png",
+                        )
                 context.close()
         browser.close()
 

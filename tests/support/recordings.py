@@ -1,4 +1,6 @@
-"""Recordings of animations of a rotating body, as the recorder returns them, without drawing: paths of points in axes."""
+"""Recordings of animations of a rotating body, as the recorder returns them, without drawing: paths of points
+in axes.
+"""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -6,7 +8,9 @@ from scipy.spatial.transform import Rotation
 import reference
 from ecp.kinds.animation.body import Body
 
-TILT = Rotation.from_rotvec([-2.0, 1.0, 0.0]).as_matrix()  # keeps L and the axis off every coordinate axis and plane
+TILT = Rotation.from_rotvec(
+    [-2.0, 1.0, 0.0]
+).as_matrix()  # keeps L and the axis off every coordinate axis and plane
 T = np.linspace(0.0, 4.0, 96)
 N = len(T)
 ALL = np.arange(N)
@@ -55,9 +59,14 @@ def frames(*artists, values=None):
 
 
 def panels(*drawn, labels=()):
-    """Several of these as the axes of one figure, with the ``labels`` of some: (axes, horizontal, vertical)."""
+    """Several of these as the axes of one figure, with the ``labels`` of some: (axes, horizontal,
+    vertical).
+    """
     owners = [one["owners"] + [100 * k, 0, k] for k, one in enumerate(drawn)]
-    together = {"tracks": np.concatenate([one["tracks"] for one in drawn], axis=1), "owners": np.concatenate(owners)}
+    together = {
+        "tracks": np.concatenate([one["tracks"] for one in drawn], axis=1),
+        "owners": np.concatenate(owners),
+    }
     return drawn[0] | together | {"labels": np.array(labels or [(-1, -1, -1)], float)}
 
 

@@ -1,7 +1,8 @@
-"""Check a release: ``python -m tests.support.release`` builds wheel and sdist in dist/, and installs and uses the wheel.
+"""Check a release: ``python -m tests.support.release`` builds wheel and sdist in dist/, and installs and uses
+the wheel.
 
-The wheel is installed with the hashed lock file into an empty environment of each given Python, outside the clone: there
-it grades a file, and serves and grades the same over HTTP.
+The wheel is installed with the hashed lock file into an empty environment of each given Python, outside the
+clone: there it grades a file, and serves and grades the same over HTTP.
 """
 
 import argparse
@@ -35,7 +36,9 @@ class Refused(Exception):
 def main() -> int:
     """Run every check and return 0 if all pass."""
     parser = argparse.ArgumentParser(prog="release-check", description=__doc__)
-    parser.add_argument("pythons", nargs="*", default=[sys.executable], help="interpreters to install the wheel for")
+    parser.add_argument(
+        "pythons", nargs="*", default=[sys.executable], help="interpreters to install the wheel for"
+    )
     pythons = parser.parse_args().pythons
     try:
         version = tagged_version()
@@ -51,7 +54,9 @@ def main() -> int:
 
 
 def tagged_version() -> str:
-    """Return the version, which the changelog and CITATION.cff name too if this commit has a tag ``v…``; then the tag is it."""
+    """Return the version, which the changelog and CITATION.cff name too if this commit has a tag ``v…``; then
+    the tag is it.
+    """
     version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
     if f"version: {version}\n" not in (ROOT / "CITATION.cff").read_text():
         raise Refused(f"CITATION.cff does not have the version {version}")
@@ -115,7 +120,14 @@ def use(wheel: Path, python: str) -> None:
         folder = Path(name)
         folder.chmod(0o755)  # the sandbox of a root's server reads it as another user
         run(python, "-m", "venv", folder / "venv")
-        install = [folder / "venv/bin/python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        install = [
+            folder / "venv/bin/python",
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+        ]
         run(*install, "--require-hashes", "-r", ROOT / "requirements.lock", env=environment)
         run(*install, "--no-deps", wheel, env=environment)
         run(folder / "venv/bin/python", "-m", "pip", "check", env=environment)
@@ -123,9 +135,15 @@ def use(wheel: Path, python: str) -> None:
         printed = run(polhode, "grade", SAMPLE, "--exercise", "2", "--json", env=environment, cwd=folder)
         report = json.loads(printed)["reports"][0]["report"]
         if not report["passed"]:
-            raise Refused(f"the installed wheel grades {SAMPLE.name} with {report['score']} of {report['max_score']} points")
+            raise Refused(
+                f"the installed wheel grades {SAMPLE.name} with {report['score']} of {report['max_score']}"
+                " points"
+            )
         isolation = serve(polhode, folder, environment)
-        print(f"✓  {report['provenance']['versions']['python']}: installed outside the clone it grades and serves ({isolation})")
+        print(
+            f"✓  {report['provenance']['versions']['python']}: installed outside the clone it grades and"
+            f" serves ({isolation})"
+        )
 
 
 def serve(polhode: Path, folder: Path, environment: dict[str, str]) -> str:
@@ -133,7 +151,11 @@ def serve(polhode: Path, folder: Path, environment: dict[str, str]) -> str:
     address = f"http://127.0.0.1:{(port := free_port())}"
     with (folder / "log").open("wb") as log:
         server = subprocess.Popen(
-            [polhode, "serve", "--port", str(port)], cwd=folder, env=environment | {"POLHODE_WORKERS": "1"}, stdout=log, stderr=log
+            [polhode, "serve", "--port", str(port)],
+            cwd=folder,
+            env=environment | {"POLHODE_WORKERS": "1"},
+            stdout=log,
+            stderr=log,
         )
     try:
         for _ in range(300):
@@ -159,9 +181,14 @@ def serve(polhode: Path, folder: Path, environment: dict[str, str]) -> str:
 
 def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:
     """Run a command and return what it prints. Raises Refused with its last lines if it fails."""
-    done = subprocess.run([str(word) for word in command], cwd=cwd, env=env, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, env=env, capture_output=True, text=True, check=False
+    )
     if done.returncode != 0:
-        raise Refused(f"{' '.join(map(str, command[:6]))} ended with {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}")
+        raise Refused(
+            f"{' '.join(map(str, command[:6]))} ended with"
+            f" {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}"
+        )
     return done.stdout
 
 

@@ -18,7 +18,9 @@ from service.settings import Settings
 
 
 class Server:
-    """``polhode serve`` as its own process on a free loopback port, with ``rigid-body`` unless ``environment`` names others."""
+    """``polhode serve`` as its own process on a free loopback port, with ``rigid-body`` unless
+    ``environment`` names others.
+    """
 
     def __init__(self, data: Path, *, port: int | None = None, **environment: str) -> None:
         self.data, self.port = data, port or free_port()
@@ -56,7 +58,9 @@ class WebApplication:
 
     def __init__(self, database_url: str, **settings) -> None:
         app = create_app(Settings(database_url=database_url, workers=0, **settings))
-        self._server = uvicorn.Server(uvicorn.Config(app, port=free_port(), log_config=None, timeout_graceful_shutdown=2))
+        self._server = uvicorn.Server(
+            uvicorn.Config(app, port=free_port(), log_config=None, timeout_graceful_shutdown=2)
+        )
         self._thread = threading.Thread(target=self._server.run)
         self.url = f"http://127.0.0.1:{self._server.config.port}"
 

@@ -1,4 +1,6 @@
-"""Modules that stand in for numpy and scipy where there are none: the kit can be imported and can submit, but not check."""
+"""Modules that stand in for numpy and scipy where there are none: the kit can be imported and can submit, but
+not check.
+"""
 
 import importlib.abc
 import importlib.machinery
@@ -7,7 +9,9 @@ import types
 
 
 class Anything(types.ModuleType):
-    """Each attribute, item, result of a call or an operator of it is one too. Nothing is an instance of it."""
+    """Each attribute, item, result of a call or an operator of it is one too.
+    Nothing is an instance of it.
+    """
 
     __path__, files = (), ()
 
@@ -19,7 +23,9 @@ class Anything(types.ModuleType):
     def __call__(self, *arguments, **named):
         return Anything("result")
 
-    __getitem__ = __or__ = __ror__ = __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __call__
+    __getitem__ = __or__ = __ror__ = __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = (
+        __truediv__
+    ) = __call__
     __rtruediv__ = __pow__ = __rpow__ = __neg__ = __lt__ = __le__ = __gt__ = __ge__ = __enter__ = __call__
 
     def __exit__(self, *error):
@@ -45,7 +51,9 @@ class Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finds every module of numpy and scipy."""
 
     def find_spec(self, name, path=None, target=None):
-        return importlib.machinery.ModuleSpec(name, self) if name.split(".")[0] in ("numpy", "scipy") else None
+        return (
+            importlib.machinery.ModuleSpec(name, self) if name.split(".")[0] in ("numpy", "scipy") else None
+        )
 
     def create_module(self, spec):
         return Anything(spec.name)

@@ -1,4 +1,5 @@
-"""Store submissions for tests with results as a worker writes them. But for ``grade_really`` the reports are built.
+"""Store submissions for tests with results as a worker writes them. But for ``grade_really`` the reports are
+built.
 
 ``hand_in``, ``grade`` and ``grade_really`` take an open database, the others its address.
 """
@@ -18,7 +19,14 @@ from tests.support.reports import report_of_marks, report_of_verdicts
 
 
 async def hand_in(
-    database, person, marks, *, days_ago=0.0, source="def euler_eqs(t, w, I):\n    return w\n", filename="a.py", **about
+    database,
+    person,
+    marks,
+    *,
+    days_ago=0.0,
+    source="def euler_eqs(t, w, I):\n    return w\n",
+    filename="a.py",
+    **about,
 ):
     """Store a submission of exercise 2, graded if ``marks`` is not None; return its id."""
     arrived = time.monotonic() - 86400.0 * days_ago
@@ -61,14 +69,20 @@ def claim(url, grading, worker="w1"):
 
 
 def finish(url, grading, verdicts="", version="1", **more):
-    """Give the grading a report of those verdicts, such as "+-?"; ``more`` sets other fields of the report."""
+    """Give the grading a report of those verdicts, such as "+-?";
+    ``more`` sets other fields of the report.
+    """
     sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %s", str(grading))
     claimed = claim(url, grading)
-    return run(url, lambda d: runs.finish(d, claimed, report_of_verdicts(verdicts, version=version, **more), {}))
+    return run(
+        url, lambda d: runs.finish(d, claimed, report_of_verdicts(verdicts, version=version, **more), {})
+    )
 
 
 def graded(url, person, verdicts="", version="1", **more):
-    """Store a submission with a report of those verdicts; ``more`` sets other fields of the report. Return its id."""
+    """Store a submission with a report of those verdicts; ``more`` sets other fields of the report. Return
+    its id.
+    """
     id, grading = submitted(url, person)
     assert finish(url, grading, verdicts, version, **more)
     return id
@@ -77,7 +91,8 @@ def graded(url, person, verdicts="", version="1", **more):
 def open_gradings(url):
     """Return submission and grading of each grading without result, oldest first."""
     query = (
-        "SELECT submission_id, id FROM grading a WHERE NOT EXISTS (SELECT 1 FROM result WHERE grading_id = a.id) ORDER BY number"
+        "SELECT submission_id, id FROM grading a WHERE NOT EXISTS (SELECT 1 FROM result WHERE grading_id ="
+        " a.id) ORDER BY number"
     )
     return sql(url, query)
 

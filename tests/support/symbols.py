@@ -1,4 +1,6 @@
-"""Draw the font of the marks that pages use and many systems lack. ``python -m tests.support.symbols`` writes it."""
+"""Draw the font of the marks that pages use and many systems lack. ``python -m tests.support.symbols`` writes
+it.
+"""
 
 import math
 from pathlib import Path
@@ -12,16 +14,20 @@ SCALE = WIDE / 620
 
 
 def _ring(x, y, radius, *, inside=False):
-    points = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in (math.tau * k / 32 for k in range(32))]
+    points = [
+        (x + radius * math.cos(a), y + radius * math.sin(a)) for a in (math.tau * k / 32 for k in range(32))
+    ]
     return points if inside else points[::-1]
 
 
 # Contours, clockwise outside and anticlockwise inside, in font units.
 SHAPES = {
     "✓": [[(60, 330), (140, 405), (235, 285), (475, 700), (565, 640), (250, 120)]],
-    "✗": [[(85, 605), (160, 680), (310, 490), (460, 680), (535, 605), (375, 400), (535, 195), (460, 120), (310, 310), (160, 120),
+    "✗": [[(85, 605), (160, 680), (310, 490), (460, 680), (535, 605), (375, 400), (535, 195), (460, 120),
+    (310, 310), (160, 120),
            (85, 195), (245, 400)]],
-    "⏱": [_ring(310, 350, 270), _ring(310, 350, 200, inside=True), [(275, 560), (345, 560), (345, 320), (275, 320)],
+    "⏱": [_ring(310, 350, 270), _ring(310, 350, 200, inside=True), [(275, 560), (345, 560), (345, 320), (275,
+    320)],
           [(210, 740), (410, 740), (410, 670), (210, 670)]],
     "▲": [[(310, 640), (570, 160), (50, 160)]],
     "▼": [[(50, 640), (570, 640), (310, 160)]],

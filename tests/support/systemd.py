@@ -1,4 +1,6 @@
-"""systemd as process 1 of namespaces of its own, on a copy-on-write view of this machine's files, without its network."""
+"""systemd as process 1 of namespaces of its own, on a copy-on-write view of this machine's files, without its
+network.
+"""
 
 import os
 import shutil
@@ -55,14 +57,20 @@ exec env -i container=other PATH=/usr/local/bin:/usr/bin:/usr/sbin:/bin \\
 
 
 def is_possible() -> bool:
-    """Whether this machine lets systemd run in namespaces: as root, with its cgroup of version 1 and Debian's Python 3.11."""
+    """Whether this machine lets systemd run in namespaces: as root, with its cgroup of version 1 and Debian's
+    Python 3.11.
+    """
     programs = all(map(shutil.which, ("unshare", "nsenter", "pivot_root", "ip", "useradd")))
     python = Path("/usr/bin/python3.11").exists()
-    return os.geteuid() == 0 and GROUP.is_dir() and Path("/lib/systemd/systemd").exists() and programs and python
+    return (
+        os.geteuid() == 0 and GROUP.is_dir() and Path("/lib/systemd/systemd").exists() and programs and python
+    )
 
 
 class Machine:
-    """A machine with polhode in /opt/polhode and the units; ``machine(…)`` runs a command there and returns what it prints."""
+    """A machine with polhode in /opt/polhode and the units; ``machine(…)`` runs a command there and returns
+    what it prints.
+    """
 
     def __init__(self, folder: Path, venv: Path, wheel: Path, units: Path) -> None:
         self._group = GROUP / f"polhode-{os.getpid()}"
@@ -83,7 +91,9 @@ class Machine:
 
     def __call__(self, *command: str, check: bool = True) -> str:
         enter = ["nsenter", "--target", str(self._first), "--all", "--root", "--wd", *command]
-        done = subprocess.run(enter, env={"PATH": "/usr/bin:/usr/sbin:/bin"}, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            enter, env={"PATH": "/usr/bin:/usr/sbin:/bin"}, capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0 or not check, f"{command}: {done.stdout[-2000:]}\n{done.stderr[-2000:]}"
         return done.stdout
 
@@ -95,7 +105,10 @@ class Machine:
             if subprocess.run(enter, capture_output=True, check=False).returncode == 0:
                 return
             time.sleep(0.3)
-        raise AssertionError(f"{command} failed for {seconds:g} s: {self('journalctl', '--no-pager', '--lines=20', check=False)}")
+        raise AssertionError(
+            f"{command} failed for {seconds:g} s:"
+            f" {self('journalctl', '--no-pager', '--lines=20', check=False)}"
+        )
 
     def end(self) -> None:
         """End every process of the machine and remove its cgroup."""

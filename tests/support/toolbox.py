@@ -29,7 +29,9 @@ class Toolbox(NamedTuple):
 
 def right(toolbox):
     """The right solutions without the animations, which take a second each and have their own tests."""
-    return "\n\n".join(question.source for question in toolbox.notebook.questions() if question.kind != "animation")
+    return "\n\n".join(
+        question.source for question in toolbox.notebook.questions() if question.kind != "animation"
+    )
 
 
 def mistaken(toolbox, function, number):
@@ -57,11 +59,15 @@ def check_locally(slug, source, folder, of="outcome.line"):
     zipfile.ZipFile(io.BytesIO(wheel.wheel(slug))).extractall(kit)
     code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug, of=of)
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout
+    return subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean
+    ).stdout
 
 
 def judged(question, solution, seed=1):
-    """The outcomes of a question by check id for a function that runs here, without a sandbox. ``solution`` may be its source."""
+    """The outcomes of a question by check id for a function that runs here, without a sandbox. ``solution``
+    may be its source.
+    """
     if isinstance(solution, str):
         names = {"np": np}
         exec(solution, names)

@@ -33,7 +33,11 @@ class Visitor:
 
     def _ask(self, method, path, body=None, **headers):
         connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=60)
-        given = {"Cookie": f"polhode_session={self._session}", "Accept": "text/html", "Origin": self.server.url} | headers
+        given = {
+            "Cookie": f"polhode_session={self._session}",
+            "Accept": "text/html",
+            "Origin": self.server.url,
+        } | headers
         connection.request(method, path, body, given)
         return connection, connection.getresponse()
 
@@ -48,10 +52,14 @@ class Visitor:
         return json.loads(self.open(path)[1])
 
     def send(self, path, form_of, **fields):
-        """Send a form with the token of the page ``form_of``; status and where it leads, or what the page says went wrong."""
+        """Send a form with the token of the page ``form_of``; status and where it leads, or what the page
+        says went wrong.
+        """
         found = re.search(r'name="csrf" value="(\w+)"', self.open(form_of)[1])
         body = urllib.parse.urlencode({"csrf": found[1] if found else "", **fields})
-        connection, answer = self._ask("POST", path, body, **{"Content-Type": "application/x-www-form-urlencoded"})
+        connection, answer = self._ask(
+            "POST", path, body, **{"Content-Type": "application/x-www-form-urlencoded"}
+        )
         text = answer.read().decode()
         connection.close()
         if answer.status == 303:
@@ -68,7 +76,9 @@ class Following:
     """An open event stream; ``events`` are (time, id) as they come."""
 
     def __init__(self, connection, answer):
-        assert answer.status == 200 and answer.headers["content-type"].startswith("text/event-stream"), answer.status
+        assert answer.status == 200 and answer.headers["content-type"].startswith("text/event-stream"), (
+            answer.status
+        )
         self.events, self._connection, self._answer = [], connection, answer
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()

@@ -1,4 +1,6 @@
-"""What a runner of GitHub Actions takes for a command in a log, by the rules of actions/runner, ActionCommand."""
+"""What a runner of GitHub Actions takes for a command in a log, by the rules of actions/runner,
+ActionCommand.
+"""
 
 import re
 
@@ -15,11 +17,19 @@ COMMANDS = {
     "set-output",
     "save-state",
 }
-ESCAPES = {"%0D": "\r", "%0A": "\n", "%3A": ":", "%2C": ",", "%25": "%"}  # in this order: the percent sign last
+ESCAPES = {
+    "%0D": "\r",
+    "%0A": "\n",
+    "%3A": ":",
+    "%2C": ",",
+    "%25": "%",
+}  # in this order: the percent sign last
 
 
 def commands(log):
-    """The commands of a log in turn, each with properties and data; between ``stop-commands`` and its token there are none."""
+    """The commands of a log in turn, each with properties and data; between ``stop-commands`` and its token
+    there are none.
+    """
     found, registered, token = [], set(COMMANDS), None
     for line in re.split(r"\r\n|\r|\n", log):
         command = _second(line, registered) or _first(line, registered)

@@ -1,4 +1,6 @@
-"""What counts as an answer, on the server and in ``ecp.check``: functions, variables, classes, and the data files they read."""
+"""What counts as an answer, on the server and in ``ecp.check``: functions, variables, classes, and the data
+files they read.
+"""
 
 import dataclasses
 import io
@@ -36,7 +38,9 @@ EMPTY = "slope = ...\nsettings = None\ndef total():\n    pass\n"
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
-    folder = shutil.copytree(LAB, tmp_path_factory.mktemp("course") / "lab_course", ignore=shutil.ignore_patterns("__pycache__"))
+    folder = shutil.copytree(
+        LAB, tmp_path_factory.mktemp("course") / "lab_course", ignore=shutil.ignore_patterns("__pycache__")
+    )
     with known(folder) as found:
         yield found.valid["lab-course"]
 
@@ -68,7 +72,9 @@ print(json.dumps(reports))
 def checked(home, lab, *sources):
     (home / "site" / "Setup").write_text(lab.setup)
     command = [sys.executable, "-P", "-W", "error", "-c", KERNEL]
-    done = subprocess.run(command, input=json.dumps(sources), capture_output=True, text=True, timeout=60, cwd=home, env={})
+    done = subprocess.run(
+        command, input=json.dumps(sources), capture_output=True, text=True, timeout=60, cwd=home, env={}
+    )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
@@ -94,7 +100,10 @@ def test_the_server_and_the_kit_take_the_same_answers(case, lab, local, sandbox)
     source, marks, exercises, points = CASES[case]
     report = grade(Submission(source), lab, sandbox, 1).report
     lines, numbers, summary = local[case]
-    assert ("".join(o.line[0] for o in report.outcomes()), "".join(e.number for e in report.exercises)) == (marks, exercises)
+    assert ("".join(o.line[0] for o in report.outcomes()), "".join(e.number for e in report.exercises)) == (
+        marks,
+        exercises,
+    )
     assert report.summary().startswith(f"{points} points")
     assert (lines, numbers) == (report.lines(), [e.number for e in report.exercises])
     assert summary.startswith(f"{points} public checks ✓")
@@ -103,7 +112,10 @@ def test_the_server_and_the_kit_take_the_same_answers(case, lab, local, sandbox)
 def test_what_is_no_function_is_named(lab, home, sandbox):
     source = "Pendulum = 3.0\nmodel = None\n" + RESIDUAL
     report = grade(Submission(source), lab, sandbox, 1, ["1", "4"]).report
-    lines = ["[not measured: model is None, not a function]", "[not measured: Pendulum is of type float, not a function]"]
+    lines = [
+        "[not measured: model is None, not a function]",
+        "[not measured: Pendulum is of type float, not a function]",
+    ]
     assert [o.line.partition("   ")[2] for o in report.outcomes()] == lines
 
 
@@ -149,15 +161,33 @@ def test_the_kit_leaves_a_data_file_of_the_students_as_it_is(home, lab, tmp_path
     (tmp_path / "site").symlink_to(home / "site")
     (tmp_path / "points.csv").write_text("7\n")
     code = 'import sys; sys.path.insert(0, "site"); import ecp; ecp.connect(assignment="lab-course")'
-    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path
+    )
     assert done.stdout.startswith(f"points.csv in {tmp_path} differs from the course's file")
-    assert ((tmp_path / "points.csv").read_text(), (tmp_path / "runs" / "first.csv").read_text()) == ("7\n", "3.0\n")
+    assert ((tmp_path / "points.csv").read_text(), (tmp_path / "runs" / "first.csv").read_text()) == (
+        "7\n",
+        "3.0\n",
+    )
 
 
 def test_wrong_declarations_of_data_and_variables_are_errors(lab, tmp_path):
     (lab.folder / "large.csv").write_bytes(b"0" * 5_000_001)
-    names = ("points.csv", "large.csv", "none.csv", "../lab_course/points.csv", "/etc/passwd", "plays.py", "samples/x.csv", "", ".")
-    exercises = (dataclasses.replace(lab.exercises[0], variables=("slope",), prerequisites=("nothing",)), *lab.exercises[1:])
+    names = (
+        "points.csv",
+        "large.csv",
+        "none.csv",
+        "../lab_course/points.csv",
+        "/etc/passwd",
+        "plays.py",
+        "samples/x.csv",
+        "",
+        ".",
+    )
+    exercises = (
+        dataclasses.replace(lab.exercises[0], variables=("slope",), prerequisites=("nothing",)),
+        *lab.exercises[1:],
+    )
     found = errors(dataclasses.replace(lab, data=names, exercises=exercises))
     assert [error.split(":")[0] for error in found if error.startswith("data")] == [
         "data file large.csv has 5.0 MB; at most 5 MB are allowed",
@@ -171,8 +201,14 @@ def test_wrong_declarations_of_data_and_variables_are_errors(lab, tmp_path):
     ]
     assert "exercise 1: the variable slope is not in functions" in found
     assert "exercise 1: no exercise asks for its prerequisite nothing" in found
-    same = dataclasses.replace(lab.exercises[1], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[1].checks))
+    same = dataclasses.replace(
+        lab.exercises[1], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[1].checks)
+    )
     (found,) = errors(dataclasses.replace(lab, exercises=(lab.exercises[0], same)))
-    assert found == "exercise 2: several checks have the label 'x': a report shows labels, so give each its own"
-    assert errors(dataclasses.replace(lab, data="points.csv")) == ["data is 'points.csv', not a tuple of file names"]
+    assert (
+        found == "exercise 2: several checks have the label 'x': a report shows labels, so give each its own"
+    )
+    assert errors(dataclasses.replace(lab, data="points.csv")) == [
+        "data is 'points.csv', not a tuple of file names"
+    ]
     assert errors(lab) == []

@@ -1,10 +1,10 @@
 """Every file of tests/attacks: what it must end as, and that it reached, left and disturbed nothing.
 
-Each runs at one isolation level, in `make test-all` at both. Those of a family that try to get out run together in one submission
-at each level, in `make test-all` also one by one; the rest take turns.
+Each runs at one isolation level, in `make test-all` at both. Those of a family that try to get out run
+together in one submission at each level, in `make test-all` also one by one; the rest take turns.
 
-A file's first comment says how it ends: ``pass`` (the attack fails and the right answer that we append is accepted), ``fail`` or
-``any``; ``film`` where Exercise 6 is asked, ``slow`` where it runs out of time.
+A file's first comment says how it ends: ``pass`` (the attack fails and the right answer that we append is
+accepted), ``fail`` or ``any``; ``film`` where Exercise 6 is asked, ``slow`` where it runs out of time.
 """
 
 import fcntl
@@ -37,7 +37,8 @@ from service.sandbox.select import choose
 
 HERE = Path(__file__).parents[1] / "attacks"
 ATTACKS = sorted(HERE.glob("*.py"))
-LONG = {  # seconds each, at every level; process_scheduling and text_forged_place are short, but much like others
+# seconds each, at every level; process_scheduling and text_forged_place are short, but much like others
+LONG = {
     "answers_builtins",
     "answers_by_clock",
     "answers_by_process",
@@ -80,7 +81,10 @@ VERDICTS = (
 )  # tried without the sandbox by tests of their own
 LEVELS = ("namespaces", "process")
 CANARY = "CANARY-7f3a-swordfish"
-RIGHT = "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) / np.asarray(I)\n"
+RIGHT = (
+    "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) /"
+    " np.asarray(I)\n"
+)
 PRELUDE = """
 import ctypes as _ctypes, os as _os
 JOB, RESULT, TCP_PORT, UDP_PORT, ABSTRACT = 3, 4, {tcp}, {udp}, {abstract!r}
@@ -162,7 +166,9 @@ def sandboxes(traps):
 
 @pytest.fixture
 def traces_shared():
-    """What attacks leave behind is looked for in places that all processes share: no other one leaves any meanwhile."""
+    """What attacks leave behind is looked for in places that all processes share: no other one leaves any
+    meanwhile.
+    """
     with _lock_of_traces(fcntl.LOCK_SH):
         yield
 
@@ -196,7 +202,8 @@ def declared(file):
 
 
 def attacks():
-    """Every attack at both levels; ``make test`` has each short one at one of them, of those against verdicts every third one.
+    """Every attack at both levels; ``make test`` has each short one at one of them, of those against verdicts
+    every third one.
 
     Those that try to get out in vain are tried there in one submission for each family instead.
     """
@@ -222,10 +229,14 @@ def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, t
     code = prelude + source + (RIGHT if needs_answer else "")
     before = _traces()
     with _beside(neighbour) as unharmed:
-        graded = grade(Submission(code), impatient if slow else rigid_body, sandbox, 3, ["6" if film else "2"])
+        graded = grade(
+            Submission(code), impatient if slow else rigid_body, sandbox, 3, ["6" if film else "2"]
+        )
         report = graded.report
         assert unharmed() and _plays(sandbox) and _plays(sandbox)
-    if not (file.stem == "read_metadata" and level == "process" and not _other_user(sandbox)):  # hidden from other users only
+    if not (
+        file.stem == "read_metadata" and level == "process" and not _other_user(sandbox)
+    ):  # hidden from other users only
         assert "ESCAPED" not in report.stdout, report.stdout
     assert CANARY not in json.dumps(document(report)) and CANARY not in report.text()
     if verdict == "pass":
@@ -239,8 +250,12 @@ def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, t
 
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("of", ISOLATION)
-def test_all_attacks_of_a_family_in_one_submission_are_in_vain(of, level, sandboxes, traps, rigid_body, traces_shared):
-    """All attacks of the family that fail without an end to the submission, one after the other in a single one."""
+def test_all_attacks_of_a_family_in_one_submission_are_in_vain(
+    of, level, sandboxes, traps, rigid_body, traces_shared
+):
+    """All attacks of the family that fail without an end to the submission, one after the other in a single
+    one.
+    """
     sandbox, (prelude, listeners) = sandboxes[0](level), traps
     files = [file for file in ATTACKS if family(file) == of and declared(file)[0] == "pass"]
     tried = [file.read_text() + f'\nprint("tried {file.stem}")\n' for file in files]
@@ -279,7 +294,8 @@ def test_no_layer_is_decoration(level, missing, attack, traps, rigid_body, trace
     )
     if missing == "namespaces":  # the guest as the server's own user, as an ordinary user's server has it
         isolation = replace(
-            isolation, inside=(*isolation.inside[:-1], isolation.inside[-1].replace('"user": 64001', '"user": null'))
+            isolation,
+            inside=(*isolation.inside[:-1], isolation.inside[-1].replace('"user": 64001', '"user": null')),
         )
     holed = Sandbox(isolation)
     try:
@@ -288,7 +304,9 @@ def test_no_layer_is_decoration(level, missing, attack, traps, rigid_body, trace
     finally:
         holed.close()
         _drain(traps[1])
-        subprocess.run(["ipcrm", "-M", "0x1234", "-S", "0x1234", "-Q", "0x1234"], capture_output=True, check=False)
+        subprocess.run(
+            ["ipcrm", "-M", "0x1234", "-S", "0x1234", "-Q", "0x1234"], capture_output=True, check=False
+        )
 
 
 def test_there_are_enough_attacks_and_each_says_what_it_tries():
@@ -299,7 +317,12 @@ def test_there_are_enough_attacks_and_each_says_what_it_tries():
 GOOD = job.Job(
     "import numpy as np",
     "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](3.0))}",
-    (job.Cell("submission.py", "import builtins\ndef f(x):\n    return [x, np.pi, hasattr(builtins, 'poisoned')]"),),
+    (
+        job.Cell(
+            "submission.py",
+            "import builtins\ndef f(x):\n    return [x, np.pi, hasattr(builtins, 'poisoned')]",
+        ),
+    ),
     ("f",),
     (job.SceneRequest("one", "ask", "f", {}, {"x": ArraySpec((3,))}, 2.0, None),),
 )
@@ -312,7 +335,9 @@ def _plays(sandbox):
 
 @contextmanager
 def _beside(sandbox):
-    """Good submissions played in another sandbox all the while; gives a function that tells whether all got their due."""
+    """Good submissions played in another sandbox all the while; gives a function that tells whether all got
+    their due.
+    """
     sandbox.start()  # from this thread: a guest dies with the thread that started it
     over, results = threading.Event(), []
 
@@ -367,7 +392,9 @@ def _traces():
     found = set()
     for kind in ("shm", "sem", "msg"):
         fields = [line.split() for line in Path(f"/proc/sysvipc/{kind}").read_text().splitlines()[1:]]
-        found |= {(kind, key, id) for key, id, _, size, *_ in fields if (kind, size) != ("shm", "56")}  # a PostgreSQL's has 56
+        found |= {
+            (kind, key, id) for key, id, _, size, *_ in fields if (kind, size) != ("shm", "56")
+        }  # a PostgreSQL's has 56
     for folder in ("/dev/shm", "/tmp", "/"):
         found |= {(folder, name) for name in os.listdir(folder) if re.search("left|evil|fill|daemon", name)}
     return found

@@ -1,4 +1,6 @@
-"""Every bundled assignment: its right solutions pass, its samples are as expected, and wrong versions of them fail."""
+"""Every bundled assignment: its right solutions pass, its samples are as expected, and wrong versions of them
+fail.
+"""
 
 import contextlib
 
@@ -16,13 +18,17 @@ DECLARED = [catalogue.slug_of(folder) for folder in catalogue._here() if folder.
 SLOWEST = {"heavy-top", "random-walks", "lagrangian"}
 
 
-@pytest.mark.parametrize("slug", [pytest.param(slug, marks=pytest.mark.slow) if slug in SLOWEST else slug for slug in DECLARED])
+@pytest.mark.parametrize(
+    "slug", [pytest.param(slug, marks=pytest.mark.slow) if slug in SLOWEST else slug for slug in DECLARED]
+)
 def test_the_right_solutions_pass(slug, sandbox):
     assignment = catalogue.find(slug)
     right = next(sample for sample in assignment.made_samples() if sample.right)
     with contextlib.ExitStack() as stack:
         if assignment.packages:
-            sandbox = stack.enter_context(contextlib.closing(Sandbox(with_packages(choose("namespaces"), assignment.packages))))
+            sandbox = stack.enter_context(
+                contextlib.closing(Sandbox(with_packages(choose("namespaces"), assignment.packages)))
+            )
         report = grade(Submission(right.source, right.name), assignment, sandbox, seed=1).report
     assert report.passed and report.score == assignment.max_points() > 0, report.text()
     assert report.provenance.versions.keys() >= {"python", "numpy", *assignment.packages}

@@ -1,4 +1,6 @@
-"""The course's own notebook, filled in, is graded whole; its own checks are captured, judged again and carry no points."""
+"""The course's own notebook, filled in, is graded whole; its own checks are captured, judged again and carry
+no points.
+"""
 
 import json
 
@@ -32,7 +34,9 @@ def test_nine_of_nine_lines_and_no_cell_fails(name, data, rigid_body, sandbox):
     assert tuple(check.label for check in report.notebook_checks) == LABELS
     assert all(check.verdict is Verdict.PASS for check in report.notebook_checks)
     lines = [check.line for check in report.notebook_checks]
-    assert lines == [line for line in report.stdout.splitlines() if line.startswith("✓")], "as the notebook printed them"
+    assert lines == [line for line in report.stdout.splitlines() if line.startswith("✓")], (
+        "as the notebook printed them"
+    )
     assert lines[7].endswith("[growth: min 0.038, mid 1.136, max 0.029]")
     assert "The notebook's own checks (self-reported, no points)\n" + "\n".join(lines) in report.text()
 
@@ -77,20 +81,33 @@ def test_a_forged_frame_that_is_no_claim_is_a_broken_protocol(rigid_body, sandbo
 
 
 def test_a_wrong_claim_of_a_right_function_costs_nothing(rigid_body, sandbox):
-    cells = [EULER, "eig, I_box = np.zeros(3), np.ones(3)", code()["validation-1"], "validate.conserved(np.zeros(70_000), 'long')"]
+    cells = [
+        EULER,
+        "eig, I_box = np.zeros(3), np.ones(3)",
+        code()["validation-1"],
+        "validate.conserved(np.zeros(70_000), 'long')",
+    ]
     cells.append("for k in range(200):\n    validate.check(True, f'claim {k}')")
     report = graded(as_ipynb(cells), "a.ipynb", rigid_body, sandbox)
     first, long, *_, last = report.notebook_checks
     assert report.passed and first.verdict is Verdict.FAIL and first.cell == "cell 3"
     assert long.line == "–  long   [not measured: 70000 numbers; one check may have at most 65536]"
-    assert len(report.notebook_checks) == 101 and last.line == "–  102 more checks   [not measured: at most 100 are accepted]"
+    assert (
+        len(report.notebook_checks) == 101
+        and last.line == "–  102 more checks   [not measured: at most 100 are accepted]"
+    )
 
 
 def animation(changed=("", ""), last="show(anim)"):
-    """The cells that exercise 6 of the notebook needs, with every fourth frame; the last statement and one more text replaced."""
+    """The cells that exercise 6 of the notebook needs, with every fourth frame; the last statement and one
+    more text replaced.
+    """
     words = ("import numpy", "def euler_eqs", "I_sym = ", "R_anim =")
     kept = [cell for cell in code().values() if any(word in cell for word in words)]
-    cells = [cell.replace("frames=len(t_anim)", "frames=range(0, 80, 4)").replace("show(anim)", last) for cell in kept]
+    cells = [
+        cell.replace("frames=len(t_anim)", "frames=range(0, 80, 4)").replace("show(anim)", last)
+        for cell in kept
+    ]
     return as_ipynb([cell.replace(*changed) if changed[0] else cell for cell in cells])
 
 
@@ -109,7 +126,9 @@ SLOW = [pytest.mark.slow]
     ],
     ids=["show", "bare", "html", "saved", "e1"],
 )
-def test_an_animation_built_in_a_cell_is_judged_by_the_motion_behind_it(last, changed, verdict, rigid_body, sandbox):
+def test_an_animation_built_in_a_cell_is_judged_by_the_motion_behind_it(
+    last, changed, verdict, rigid_body, sandbox
+):
     report = graded(animation(changed, last), "a.ipynb", rigid_body, sandbox, ["6"])
     verdicts = {outcome.id: outcome.verdict for outcome in report.exercises[0].outcomes}
     assert verdicts["6-follows"] == verdict and verdicts["6-drawn-momentum"] == "pass", report.text()

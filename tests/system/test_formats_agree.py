@@ -1,4 +1,6 @@
-"""One report, whatever is in it, told in every form and read back by others' readers: all verdicts and points agree."""
+"""One report, whatever is in it, told in every form and read back by others' readers: all verdicts and points
+agree.
+"""
 
 import csv
 import io
@@ -50,20 +52,30 @@ def agrees_in_junit(file):
         assert found.pop("at least one check was scored") == "unmeasured"
     assert found == verdicts(file.report)
     told = [{p.name: p.value for p in suite.properties()} for suite in read]
-    sums = {"score": str(file.report.score), "max_score": str(file.report.max_score), "total": str(file.report.most)}
+    sums = {
+        "score": str(file.report.score),
+        "max_score": str(file.report.max_score),
+        "total": str(file.report.most),
+    }
     assert all(properties.items() >= sums.items() for properties in told)
     assert (read.failures + read.errors == 0) is file.passed
 
 
 def agrees_in_gradescope(file):
     for most in (None, 40.0):
-        read = json.loads(json.dumps(gradescope.document(file, RIGID, max_score=most), allow_nan=False).encode("ascii"))
+        read = json.loads(
+            json.dumps(gradescope.document(file, RIGID, max_score=most), allow_nan=False).encode("ascii")
+        )
         tests = [test for test in read["tests"] if "id" in test.get("extra_data", {})]
         point = 1 if most is None else most / max(1, file.report.most)
-        assert {test["extra_data"]["id"]: test["extra_data"]["verdict"] for test in tests if "score" in test} == verdicts(
-            file.report, counted=True
+        assert {
+            test["extra_data"]["id"]: test["extra_data"]["verdict"] for test in tests if "score" in test
+        } == verdicts(file.report, counted=True)
+        assert all(
+            (test["score"] == test["max_score"]) is (test["status"] == "passed")
+            for test in tests
+            if "score" in test
         )
-        assert all((test["score"] == test["max_score"]) is (test["status"] == "passed") for test in tests if "score" in test)
         assert abs(read["score"] - file.report.score * point) < 1e-9
         assert abs(sum(test.get("score", 0) for test in read["tests"]) - read["score"]) < 1e-9
         assert abs(sum(test.get("max_score", 0) for test in read["tests"]) - file.report.most * point) < 1e-9
@@ -84,8 +96,14 @@ def agrees_in_csv(file):
     told, report = row(file, RIGID), file.report
     ids = [outcome.id for outcome in report.outcomes()]
     (mine,) = read(grades.assignment_csv([told], ids).removeprefix("\ufeff"))
-    assert {id: OF_STATE.get(mine[id], mine[id]) for id in ids} == {o.id: o.verdict.value for o in report.outcomes()}
-    assert (int(mine["points"]), int(mine["score"]), int(mine["counted"])) == (report.score, report.score, report.max_score)
+    assert {id: OF_STATE.get(mine[id], mine[id]) for id in ids} == {
+        o.id: o.verdict.value for o in report.outcomes()
+    }
+    assert (int(mine["points"]), int(mine["score"]), int(mine["counted"])) == (
+        report.score,
+        report.score,
+        report.max_score,
+    )
     (nb,) = read(gradebooks.nbgrader_csv([told]))
     assert float(nb["score"]) == float(nb["raw_score"]) == report.score
     points, student = read(gradebooks.canvas_csv([told], RIGID.title, RIGID.max_points()))
@@ -99,7 +117,10 @@ def read(text):
 
 
 def agrees_in_github(file):
-    report, tokens = file.report, MarkdownIt("commonmark").enable("table").parse(github.summary([file], RIGID))
+    report, tokens = (
+        file.report,
+        MarkdownIt("commonmark").enable("table").parse(github.summary([file], RIGID)),
+    )
     assert [token.type for token in tokens if token.level == 0 and token.nesting >= 0] == [
         "heading_open", "paragraph_open", "table_open",
         "html_block", "fence", *["bullet_list_open"] * bool(report.figures), "html_block",
@@ -109,14 +130,24 @@ def agrees_in_github(file):
     (fence,) = [token.content for token in tokens if token.type == "fence"]
     assert fence.rstrip("\n") == sanitize(report.text()).rstrip("\n")
     found = commands("\n".join(github.annotations([file], RIGID)))
-    assert {name for name, _, _ in found} <= {"error"} and all(about["file"] == sanitize(str(file.file)) for _, about, _ in found)
-    failed = [o for o in report.outcomes() if o.counted and o.verdict is not Verdict.PASS]
-    assert sum(int(many[1]) if (many := re.search(r"\((\d+) checks\)$", about["title"])) else 1 for _, about, _ in found) == (
-        len(failed) or not report.max_score
+    assert {name for name, _, _ in found} <= {"error"} and all(
+        about["file"] == sanitize(str(file.file)) for _, about, _ in found
     )
+    failed = [o for o in report.outcomes() if o.counted and o.verdict is not Verdict.PASS]
+    assert sum(
+        int(many[1]) if (many := re.search(r"\((\d+) checks\)$", about["title"])) else 1
+        for _, about, _ in found
+    ) == (len(failed) or not report.max_score)
 
 
-FORMS = (agrees_in_text, agrees_in_junit, agrees_in_gradescope, agrees_in_classroom50, agrees_in_csv, agrees_in_github)
+FORMS = (
+    agrees_in_text,
+    agrees_in_junit,
+    agrees_in_gradescope,
+    agrees_in_classroom50,
+    agrees_in_csv,
+    agrees_in_github,
+)
 
 
 @given(graded_files())

@@ -1,4 +1,6 @@
-"""A published notebook is imported, and submissions of it are graded in the sandbox by the published cells."""
+"""A published notebook is imported, and submissions of it are graded in the sandbox by the published
+cells.
+"""
 
 import io
 import shutil
@@ -17,7 +19,17 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import change, known
 from tests.support.course_notebook import FILE, LABELS
-from tests.support.course_shape import CHECKS, HIDDEN, SETUP, SOLUTIONS, bare, course_notebook, notebook, published, written
+from tests.support.course_shape import (
+    CHECKS,
+    HIDDEN,
+    SETUP,
+    SOLUTIONS,
+    bare,
+    course_notebook,
+    notebook,
+    published,
+    written,
+)
 
 
 def imported_folder(folder, name, text):
@@ -51,15 +63,23 @@ def test_notebook_2_6_as_published_and_filled_in_prints_its_nine_lines(tmp_path,
     assert [outcome.label for outcome in made.outcomes()] == list(LABELS) and marks(made) == "p" * 9
     assert [outcome.line for outcome in made.outcomes()] == made.lines().split("\n")
     assert all(o.self_reported and not o.counted and o.points == o.earned == 0 for o in made.outcomes())
-    assert "0 of 0 points (public checks: 0 of 0); 9 of 9 self-reported lines ✓" in made.text() and not made.passed
+    assert (
+        "0 of 0 points (public checks: 0 of 0); 9 of 9 self-reported lines ✓" in made.text()
+        and not made.passed
+    )
 
 
 def test_filled_in_every_line_is_judged(sums, sandbox):
     made = report(sums, sandbox, published(SOLUTIONS))
     assert marks(made) == "ppppp"
-    assert [o.detail for o in made.outcomes()][:2] == ["got 20 vs expected 20 (rtol=1e-06, atol=1e-09)", "sum 10"]
+    assert [o.detail for o in made.outcomes()][:2] == [
+        "got 20 vs expected 20 (rtol=1e-06, atol=1e-09)",
+        "sum 10",
+    ]
     assert made.outcomes()[2].label == "2 to the power 3"  # the last of four
-    assert made.outcomes()[2].tolerance.rtol == 1e-12 and "self-reported" in made.outcomes()[2].tolerance.reason
+    assert (
+        made.outcomes()[2].tolerance.rtol == 1e-12 and "self-reported" in made.outcomes()[2].tolerance.reason
+    )
 
 
 def test_the_first_wrong_of_several_claims_of_one_line_is_shown(sums, sandbox):
@@ -80,12 +100,16 @@ def test_a_cell_that_fails_leaves_its_own_lines(sums, sandbox):
 
 
 def test_a_cell_that_never_ends_costs_no_other(sums, sandbox):
-    made = report(replace(sums, load_s=0.3), sandbox, published((SOLUTIONS[0], "while True: pass\n", SOLUTIONS[2])))
+    made = report(
+        replace(sums, load_s=0.3), sandbox, published((SOLUTIONS[0], "while True: pass\n", SOLUTIONS[2]))
+    )
     assert marks(made) == "ppupp"
 
 
 WRONG = ("total = 11\n", *SOLUTIONS[1:])
-PASSING = 'validate.close(20, 20, "twice the sum is 20")\nvalidate.check(True, "the sum is positive", "sure")\n'
+PASSING = (
+    'validate.close(20, 20, "twice the sum is 20")\nvalidate.check(True, "the sum is positive", "sure")\n'
+)
 
 
 @pytest.mark.parametrize(
@@ -96,10 +120,24 @@ PASSING = 'validate.close(20, 20, "twice the sum is 20")\nvalidate.check(True, "
         (published(WRONG, setup=SETUP.replace("2 * x", "20")), "fpppp"),  # Setup edited
         (published(WRONG, setup="import numpy as np\n"), "fpppp"),
         (published(("total = 11\nvalidate.close = lambda *a, **k: True\n", *SOLUTIONS[1:])), "fpppp"),
-        (published(("total = 11\nimport ecp.judge\necp.judge.close = None\nvalidate = None\n", *SOLUTIONS[1:])), "fpppp"),
-        (published((f"total = 11\n{PASSING}", *SOLUTIONS[1:])), "fpppp"),  # the same lines from the student's own cell
-        (published(("total = 11\ndef double(x): return 20\n", *SOLUTIONS[1:])), "ppppp"),  # redefines an instrument: self-reported
-        (published((HIDDEN, *SOLUTIONS[1:]), checks=(f"total = 10\n{CHECKS[0]}", *CHECKS[1:])), "ppppp"),  # solved in that cell
+        (
+            published(
+                ("total = 11\nimport ecp.judge\necp.judge.close = None\nvalidate = None\n", *SOLUTIONS[1:])
+            ),
+            "fpppp",
+        ),
+        (
+            published((f"total = 11\n{PASSING}", *SOLUTIONS[1:])),
+            "fpppp",
+        ),  # the same lines from the student's own cell
+        (
+            published(("total = 11\ndef double(x): return 20\n", *SOLUTIONS[1:])),
+            "ppppp",
+        ),  # redefines an instrument: self-reported
+        (
+            published((HIDDEN, *SOLUTIONS[1:]), checks=(f"total = 10\n{CHECKS[0]}", *CHECKS[1:])),
+            "ppppp",
+        ),  # solved in that cell
         (published(("import os\nos._exit(0)\n", *SOLUTIONS[1:])), "uuuuu"),
     ],
 )
@@ -124,7 +162,9 @@ def test_a_truth_or_trust_makes_a_line_count(tmp_path, sandbox):
         made = report(found.valid["strong-sums"], sandbox, published(SOLUTIONS))
         assert found.valid["strong-sums"].max_points() == 5
         again = report(
-            found.valid["strong-sums"], sandbox, published(SOLUTIONS, checks=('validate.close(20, 20, "x")\n', *CHECKS[1:]))
+            found.valid["strong-sums"],
+            sandbox,
+            published(SOLUTIONS, checks=('validate.close(20, 20, "x")\n', *CHECKS[1:])),
         )
     assert marks(made) == "pppfp" and (made.score, made.max_score) == (4, 5)
     assert marks(again) == "pppfp"
@@ -135,7 +175,9 @@ def test_a_students_own_checks_are_reported_wherever_validate_was_imported(tmp_p
     cells = [("code", "a", [], SETUP), ("code", "b", ["solution"], HIDDEN), ("code", "c", [], IMPORTS)]
     own = "total = 10\nvalidate.check(total > 1, 'mine')\n"
     with known(imported_folder(tmp_path, "own-lines", notebook(*cells))) as found:
-        made = report(found.valid["own-lines"], sandbox, bare(SETUP, own, IMPORTS, own.replace("mine", "again")))
+        made = report(
+            found.valid["own-lines"], sandbox, bare(SETUP, own, IMPORTS, own.replace("mine", "again"))
+        )
     assert marks(made) == "p" and [check.label for check in made.notebook_checks] == ["mine", "again"]
 
 
@@ -161,10 +203,19 @@ MARKED = "".join(f"# %%\n{cell}\n" for cell in (SETUP, ONE, REUSED[0], TWO, REUS
 @pytest.mark.parametrize(
     ("text", "name"),
     [
-        (bare(SETUP, TWO, REUSED[1], ONE, REUSED[0], THREE, REUSED[2]), "mine.ipynb"),  # exercises in another order
+        (
+            bare(SETUP, TWO, REUSED[1], ONE, REUSED[0], THREE, REUSED[2]),
+            "mine.ipynb",
+        ),  # exercises in another order
         (bare(SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2], SETUP), "mine.ipynb"),
-        (bare(ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2], SETUP), "mine.ipynb"),  # Setup ran again after all others
-        (bare(SETUP, REUSED[0], ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]), "mine.ipynb"),  # a cell twice
+        (
+            bare(ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2], SETUP),
+            "mine.ipynb",
+        ),  # Setup ran again after all others
+        (
+            bare(SETUP, REUSED[0], ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]),
+            "mine.ipynb",
+        ),  # a cell twice
         (bare(SETUP, ONE + REUSED[0] + TWO, REUSED[1], THREE, REUSED[2]), "mine.ipynb"),  # cells merged
         (bare("".join([SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]])), "mine.ipynb"),
         ("".join([SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]]), "mine.py"),
@@ -200,7 +251,11 @@ def test_own_checks_do_not_use_up_those_of_the_published_cells(sums, sandbox):
     assert marks(report(sums, sandbox, published((SOLUTIONS[0], many.format(200), SOLUTIONS[2])))) == "ppppp"
     made = report(sums, sandbox, published((SOLUTIONS[0], "powers = [1] + [1.0] * 1500\n", SOLUTIONS[2])))
     assert marks(made) == "ppfpp"
-    made = report(sums, sandbox, published((SOLUTIONS[0], "powers = [2.0**(n % 1000) for n in range(1001)]\n", SOLUTIONS[2])))
+    made = report(
+        sums,
+        sandbox,
+        published((SOLUTIONS[0], "powers = [2.0**(n % 1000) for n in range(1001)]\n", SOLUTIONS[2])),
+    )
     assert marks(made) == "ppupp" and "more than 1000 checks of one line" in made.outcomes()[2].cause
 
 
@@ -212,8 +267,14 @@ def test_a_loop_that_stops_early_proves_nothing(sums, sandbox):
 
 IMPORTS = 'from ecp import validate\nvalidate.close(total, 10, "ten")\n'
 PATCHES = (
-    "import ecp.validate as w\nold = w.close\nw.close = lambda got, expected, *a, **k: old(expected, expected, *a, **k)\n",
-    "import ecp, types\nv = ecp.validate\necp.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n",
+    (
+        "import ecp.validate as w\nold = w.close\nw.close = lambda got, expected, *a, **k: old(expected,"
+        " expected, *a, **k)\n"
+    ),
+    (
+        "import ecp, types\nv = ecp.validate\necp.validate = types.SimpleNamespace(close=lambda g, e, label:"
+        " v.close(e, e, label))\n"
+    ),
     "import sys\nsys._getframe = None\n",
     "import sys\nsys.modules['ecp'] = None\n",
 )
@@ -223,7 +284,11 @@ PATCHES = (
 def test_a_published_cell_that_imports_validate_gets_the_kits(tmp_path, sandbox, patch):
     checks = (IMPORTS, *CHECKS[1:])
     with known(imported_folder(tmp_path, "imports-it", published(checks=checks))) as found:
-        made = report(found.valid["imports-it"], sandbox, published((f"total = 11\n{patch}", *SOLUTIONS[1:]), checks=checks))
+        made = report(
+            found.valid["imports-it"],
+            sandbox,
+            published((f"total = 11\n{patch}", *SOLUTIONS[1:]), checks=checks),
+        )
     assert marks(made) == "fppp"
 
 
@@ -303,10 +368,14 @@ def of_rings(disc=HIDDEN, ring=HIDDEN):
 
 @pytest.fixture(scope="module")
 def rings(tmp_path_factory):
-    """An imported notebook with two questions, one of which uses the function of the other; both use the published Setup."""
+    """An imported notebook with two questions, one of which uses the function of the other; both use the
+    published Setup.
+    """
     home = imported_folder(tmp_path_factory.mktemp("rings"), "rings", of_rings(DISC, RING))
     head, _, _ = (home / "assignment.py").read_text().partition("\nnotebook.exercise(")
-    imports = "import Notebook, Tolerance, line, mistake, uniform\nfrom exercises.kinds.values import values\n"
+    imports = (
+        "import Notebook, Tolerance, line, mistake, uniform\nfrom exercises.kinds.values import values\n"
+    )
     text = head.replace("import Notebook, line\n", f"{imports}import numpy as np\n") + STRENGTHENED
     (home / "assignment.py").write_text(text)
     with known(home) as found:
@@ -317,7 +386,9 @@ def rings(tmp_path_factory):
 def test_a_question_of_an_imported_notebook_is_diagnosed(rings, sandbox):
     made = report(rings, sandbox, of_rings("def disc(r):\n    return 2 * np.pi * r\n", RING))
     assert marks(made) == "fffpp"
-    assert [{d.sentence for d in o.diagnosis} for o in made.outcomes()[:2]] == [{"this is the circumference"}] * 2
+    assert [{d.sentence for d in o.diagnosis} for o in made.outcomes()[:2]] == [
+        {"this is the circumference"}
+    ] * 2
 
 
 def test_a_chain_of_an_imported_notebook_uses_the_reference(rings, sandbox):
@@ -326,7 +397,9 @@ def test_a_chain_of_an_imported_notebook_uses_the_reference(rings, sandbox):
 
 
 def test_a_line_of_an_imported_notebook_does_not_keep_a_chain_from_its_own_function(rings, sandbox):
-    """The line fails, because the published cell calls the function with a number that the student did not foresee."""
+    """The line fails, because the published cell calls the function with a number that the student did not
+    foresee.
+    """
     one = "def disc(r):\n    if r == 3.0:\n        raise ValueError\n    return np.pi * r**2\n"
     made = report(rings, sandbox, of_rings(one, "def ring(a, b):\n    return disc(b)\n"))
     assert marks(made) == "ppuff" and made.provenance.chains == {"ring": "the submission's disc"}
@@ -339,8 +412,10 @@ def test_verify_of_an_imported_notebook_names_no_line_as_untested(rings, capsys)
 
 
 COURSE = {
-    "shapes.py": "import numpy as np\n\nfrom . import draw\nfrom .rounding import digits\n\n\n"
-    "def side(area):\n    return digits(np.sqrt(area)), draw.PEN\n",
+    "shapes.py": (
+        "import numpy as np\n\nfrom . import draw\nfrom .rounding import digits\n\n\n"
+        "def side(area):\n    return digits(np.sqrt(area)), draw.PEN\n"
+    ),
     "rounding.py": "def digits(x):\n    return round(float(x), 3)\n",
     "draw.py": "PEN = 'blue'\n",
     "unused.py": "1 / 0\n",
@@ -362,35 +437,56 @@ assert os.listdir() == ["kit"], os.listdir()
 def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(tmp_path, sandbox, capsys):
     for name, source in COURSE.items():
         written(tmp_path / "course", name, source)
-    cells = [("code", "a", [], IMPORTS_OWN), ("code", "b", ["solution"], HIDDEN), ("code", "c", ["validation"], OWN_LINE)]
+    cells = [
+        ("code", "a", [], IMPORTS_OWN),
+        ("code", "b", ["solution"], HIDDEN),
+        ("code", "c", ["validation"], OWN_LINE),
+    ]
     file = written(tmp_path, "own-modules.ipynb", notebook(*cells))
     into = tmp_path / "into"
     with known():
         assert main(["import-notebook", str(file), "--into", str(into)]) == 0
-    assert "the kit has no ecp.shapes: name the folder of the course's modules with --modules" in capsys.readouterr().out
+    assert (
+        "the kit has no ecp.shapes: name the folder of the course's modules with --modules"
+        in capsys.readouterr().out
+    )
     shutil.rmtree(into)
     with known():
-        assert main(["import-notebook", str(file), "--into", str(into), "--modules", str(tmp_path / "course")]) == 0
+        assert (
+            main(["import-notebook", str(file), "--into", str(into), "--modules", str(tmp_path / "course")])
+            == 0
+        )
     assert "the kit has no" not in capsys.readouterr().out
     modules = {path.name for path in (into / "own_modules" / "ecp").iterdir()}
     assert modules == {"shapes.py", "rounding.py", "draw.py"}
     with known(into) as found:
         made = report(
-            found.valid["own-modules"], sandbox, notebook(cells[0], ("code", "b", ["solution"], "total = 10\n"), cells[2])
+            found.valid["own-modules"],
+            sandbox,
+            notebook(cells[0], ("code", "b", ["solution"], "total = 10\n"), cells[2]),
         )
         zipfile.ZipFile(io.BytesIO(wheel.wheel("own-modules"))).extractall(tmp_path / "there" / "kit")
     assert marks(made) == "p", made.text()
-    done = subprocess.run([sys.executable, "-I", "-c", KERNEL], cwd=tmp_path / "there", capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", KERNEL],
+        cwd=tmp_path / "there",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(
-    ("name", "error"), [("validate.py", "no module of the kit has, except draw"), ("my-own.py", "a Python name")]
+    ("name", "error"),
+    [("validate.py", "no module of the kit has, except draw"), ("my-own.py", "a Python name")],
 )
 def test_a_module_of_the_course_must_not_replace_one_that_judges(tmp_path, name, error):
     home = imported_folder(tmp_path, "taken", published())
     written(home / "ecp", name, "x = 1\n")
-    text = (home / "assignment.py").read_text().replace("    load_s=", f'    data=("ecp/{name}",),\n    load_s=')
+    text = (
+        (home / "assignment.py").read_text().replace("    load_s=", f'    data=("ecp/{name}",),\n    load_s=')
+    )
     (home / "assignment.py").write_text(text)
     with known(home) as found:
         assert error in str(found.invalid["taken"])
@@ -404,7 +500,11 @@ def test_complex_numbers_are_compared(tmp_path, sandbox):
     )
     home = imported_folder(tmp_path, "states", published(checks=lines))
     change(home / "assignment.py", 'line("the state")', 'line("the state", truth=(0.6, 0.8j))')
-    right = ("state = [0.6 + 1e-12j, 0.8j]\n", "energy = np.array(2 + 0j, dtype=object)\n", "norms = np.array([1 + 0j, 1 + 0j])\n")
+    right = (
+        "state = [0.6 + 1e-12j, 0.8j]\n",
+        "energy = np.array(2 + 0j, dtype=object)\n",
+        "norms = np.array([1 + 0j, 1 + 0j])\n",
+    )
     wrong = ("state = [0.6, -0.8j]\n", "energy = 2j\n", "norms = np.array([1j, 1j])\n")
     with known(home) as found:
         assignment = found.valid["states"]

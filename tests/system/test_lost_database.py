@@ -1,4 +1,6 @@
-"""The folder of a running server's database goes: what students see, and how an operator gets the course back."""
+"""The folder of a running server's database goes: what students see, and how an operator gets the course
+back.
+"""
 
 import json
 import os
@@ -30,7 +32,9 @@ def graded(server, id):
 def refuses(server, reason):
     """No submission is accepted from now on, and the server says why."""
     status, problem = submit(server)
-    assert (status, problem["type"]) == (503, "urn:polhode:problem:database-lost"), "nothing is accepted into deleted files"
+    assert (status, problem["type"]) == (503, "urn:polhode:problem:database-lost"), (
+        "nothing is accepted into deleted files"
+    )
     assert "keep your work" in problem["detail"]
     status, _, body = call(server, "/readyz")
     assert (status, json.loads(body)["checks"]["database"]) == (503, f"lost: {reason}")
@@ -40,7 +44,10 @@ def refuses(server, reason):
 
 def stopped(server):
     """Whether the server has stopped its database."""
-    return "the database is stopped" in server.log.read_text() and not (server.data / "run" / ".s.PGSQL.5432").exists()
+    return (
+        "the database is stopped" in server.log.read_text()
+        and not (server.data / "run" / ".s.PGSQL.5432").exists()
+    )
 
 
 def command(server, *arguments):

@@ -1,4 +1,5 @@
-"""Workers on two machines against one PostgreSQL over TCP, with password and TLS; a link is cut, a host is killed.
+"""Workers on two machines against one PostgreSQL over TCP, with password and TLS; a link is cut, a host is
+killed.
 
 What a machine is, see ``tests.support.machines``.
 """
@@ -21,13 +22,17 @@ from tests.support.machines import NAMESPACES, Machine
 from tests.support.waiting import wait_for
 from tests.system.test_workers import SLOW, TAKEOVER_S, get, post, rows
 
-pytestmark = pytest.mark.slow  # a cut link and a dead host look like a frozen and a killed worker, see test_workers.py
+pytestmark = (
+    pytest.mark.slow
+)  # a cut link and a dead host look like a frozen and a killed worker, see test_workers.py
 
 
 def programs_with_tls():
     """A site's own PostgreSQL speaks TLS; the wheel's is built without. (folder, whether it does)"""
     for folder in sorted(Path("/usr/lib/postgresql").glob("*/bin"), reverse=True):
-        told = subprocess.run(["ldd", folder / "postgres"], capture_output=True, text=True, check=False).stdout
+        told = subprocess.run(
+            ["ldd", folder / "postgres"], capture_output=True, text=True, check=False
+        ).stdout
         if "libssl" in told:
             return folder, True
     return find_programs(), False
@@ -45,17 +50,34 @@ class Postgres:
         (folder / "password").write_text(self.password)
         self.data.mkdir(mode=0o700)
         own(self.data)
-        options = ["-U", "polhode", "--auth=scram-sha-256", f"--pwfile={folder / 'password'}", "--encoding=UTF8", "--locale=C"]
+        options = [
+            "-U",
+            "polhode",
+            "--auth=scram-sha-256",
+            f"--pwfile={folder / 'password'}",
+            "--encoding=UTF8",
+            "--locale=C",
+        ]
         self.view = as_server(self.programs, self.data, folder)
         own(folder)
-        subprocess.run([*self.view, str(self.programs / "initdb"), "-D", str(self.data), *options], check=True, capture_output=True)
+        subprocess.run(
+            [*self.view, str(self.programs / "initdb"), "-D", str(self.data), *options],
+            check=True,
+            capture_output=True,
+        )
         server.private_key_pem.write_to_path(str(self.data / "server.key"))
         server.cert_chain_pems[0].write_to_path(str(self.data / "server.crt"))
         for name in ("server.key", "server.crt"):
             (self.data / name).chmod(0o600)
             os.chown(self.data / name, self.data.stat().st_uid, self.data.stat().st_gid)
-        (self.data / "pg_hba.conf").write_text(f"{'hostssl' if self.tls else 'host'} all all all scram-sha-256\n")
-        self.settings = {"listen_addresses": ",".join(addresses), "port": str(port), "unix_socket_directories": ""}
+        (self.data / "pg_hba.conf").write_text(
+            f"{'hostssl' if self.tls else 'host'} all all all scram-sha-256\n"
+        )
+        self.settings = {
+            "listen_addresses": ",".join(addresses),
+            "port": str(port),
+            "unix_socket_directories": "",
+        }
         self.settings |= {"ssl": "on" if self.tls else "off"}
         how = f"sslmode=verify-full&sslrootcert={folder / 'ca.pem'}" if self.tls else "sslmode=disable"
         self.url = f"postgresql://polhode:{self.password}@{{}}:{port}/postgres?{how}"
@@ -102,7 +124,10 @@ def site(tmp_path_factory, new_server):
 
 def of(url, id):
     """Worker and end reason of each run of a submission, in order."""
-    query = "SELECT worker, end_reason FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s ORDER BY started_at"
+    query = (
+        "SELECT worker, end_reason FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s"
+        " ORDER BY started_at"
+    )
     return rows(url, query, id)
 
 
@@ -116,7 +141,9 @@ def test_the_database_wants_password_and_tls(site):
         psycopg.connect(url.replace(postgres.password, "guess"))
     if not postgres.tls:
         pytest.skip("the only PostgreSQL here is built without TLS")
-    everybody = "SELECT DISTINCT ssl FROM pg_stat_ssl JOIN pg_stat_activity USING (pid) WHERE client_addr IS NOT NULL"
+    everybody = (
+        "SELECT DISTINCT ssl FROM pg_stat_ssl JOIN pg_stat_activity USING (pid) WHERE client_addr IS NOT NULL"
+    )
     assert rows(url, everybody) == [(True,)]
     with pytest.raises(psycopg.OperationalError, match="no encryption"):
         psycopg.connect(url.split("?")[0] + "?sslmode=disable")
@@ -129,7 +156,11 @@ def test_both_machines_grade(site):
         wait_for(lambda id=id: get(server.url, id)["status"] == "graded", 60)
     assert {whose(machines, of(url, id)[0][0]) for id in ids} == set(machines)
     if NAMESPACES:
-        hosts = rows(url, "SELECT DISTINCT host(client_addr) FROM pg_stat_activity WHERE application_name LIKE 'polhode worker%%'")
+        hosts = rows(
+            url,
+            "SELECT DISTINCT host(client_addr) FROM pg_stat_activity WHERE application_name LIKE 'polhode"
+            " worker%%'",
+        )
         assert {h for (h,) in hosts} == {m.theirs for m in machines}
 
 
@@ -147,7 +178,10 @@ def test_a_cut_link(site):
         document = wait_for(lambda: (d := get(server.url, id))["status"] == "graded" and d)
     finally:
         machine.heal()
-    assert wait_for(lambda: ("superseded" in dict(of(url, id)).values()) and of(url, id))[0] == (worker, "superseded")
+    assert wait_for(lambda: ("superseded" in dict(of(url, id)).values()) and of(url, id))[0] == (
+        worker,
+        "superseded",
+    )
     assert get(server.url, id) == document
     ids = [post(server.url, SLOW.format(1))["id"] for _ in range(4)]  # and the machine is back
     for id in ids:

@@ -18,13 +18,18 @@ from tests.support.http_client import Browser
 from tests.support.server import WebApplication
 
 pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
-SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import FuncAnimation\nimport ecp\n"
+SETUP = (
+    "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import"
+    " FuncAnimation\nimport ecp\n"
+)
 EULER = """\
 def euler_eqs(t, w, I):
     return np.array([(I[1] - I[2]) * w[1] * w[2] / I[0], (I[2] - I[0]) * w[2] * w[0] / I[1], (I[0] - I[1]) * w[0] * w[1] / I[2]])
 """
 HELPED = "def euler_eqs(t, w, I):\n    return np.array([rate(w, I, i) for i in range(N)])\n"
-HELPER = "def rate(w, I, i):\n    j, k = (i + 1) % N, (i + 2) % N\n    return (I[j] - I[k]) * w[j] * w[k] / I[i]\n"
+HELPER = (
+    "def rate(w, I, i):\n    j, k = (i + 1) % N, (i + 2) % N\n    return (I[j] - I[k]) * w[j] * w[k] / I[i]\n"
+)
 LINE = re.compile(r"[✓✗–]  \S.*   \[.*\]")
 
 
@@ -42,7 +47,9 @@ def play(kit, tmp_path, monkeypatch):
     def execute(*cells, allow_errors=False):
         notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
         resources = {"metadata": {"path": str(tmp_path)}}
-        NotebookClient(notebook, timeout=120, kernel_name="python3", allow_errors=allow_errors, resources=resources).execute()
+        NotebookClient(
+            notebook, timeout=120, kernel_name="python3", allow_errors=allow_errors, resources=resources
+        ).execute()
         return [cell.outputs for cell in notebook.cells]
 
     return execute
@@ -54,7 +61,11 @@ def connect(server):
 
 def shown(outputs):
     """What the cell's last expression shows; of a report, its lines."""
-    return next(o.data["text/plain"] for o in outputs if o.output_type == "execute_result" or "text/html" in o.get("data", {}))
+    return next(
+        o.data["text/plain"]
+        for o in outputs
+        if o.output_type == "execute_result" or "text/html" in o.get("data", {})
+    )
 
 
 def page(outputs):
@@ -79,7 +90,9 @@ def fetch(server, path):
 
 @pytest.mark.slow  # so does the course notebook below
 def test_local_and_remote_tell_the_same_lines(server, play):
-    *_, local, remote = play(connect(server), EULER, 'ecp.check("2")', 'ecp.submit(euler_eqs, exercises=["2"])')
+    *_, local, remote = play(
+        connect(server), EULER, 'ecp.check("2")', 'ecp.submit(euler_eqs, exercises=["2"])'
+    )
     lines = shown(remote).split("\n")
     assert all(LINE.fullmatch(line) for line in lines) and len(lines) == 5
     assert shown(local).split("\n") == lines[:3] and all(line.startswith("✓") for line in lines)
@@ -93,7 +106,10 @@ def test_local_and_remote_tell_the_same_lines(server, play):
 @pytest.mark.slow
 def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
     *_, remote, told = play(
-        connect(server), EULER.replace("(I[2] - I[0])", "-(I[2] - I[0])"), "r = ecp.submit(euler_eqs); r", "print(r)"
+        connect(server),
+        EULER.replace("(I[2] - I[0])", "-(I[2] - I[0])"),
+        "r = ecp.submit(euler_eqs); r",
+        "print(r)",
     )
     assert "likely <b>sign-flipped</b>" in page(remote)
     assert "sign-flipped" not in shown(remote) and "likely sign-flipped" in said(told)
@@ -107,7 +123,10 @@ def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
         ["N = 3\n" + HELPED, HELPER],
         ["N = 3", HELPER.replace("- I[k]", "+ I[k]"), HELPED, "%%capture\n" + HELPER],
         [EULER.replace("- I[2]", "+ I[2]"), EULER],
-        ["import functools", f"@functools.cache\ndef three():\n    return 3\n{HELPER}{HELPED}".replace("N", "three()")],
+        [
+            "import functools",
+            f"@functools.cache\ndef three():\n    return 3\n{HELPER}{HELPED}".replace("N", "three()"),
+        ],
     ],
     ids=["%%time", "helper after it", "helper redefined", "redefined", "decorated"],
 )
@@ -131,7 +150,9 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
     *_, scene_ends, verdict = play(*cells, allow_errors=True)
     assert shown(scene_ends) == "[('cell 2', 'ZeroDivisionError: division by zero')]"
     assert shown(verdict).startswith("(True, ")
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(SETUP), nbformat.v4.new_code_cell(EULER)])
+    notebook = nbformat.v4.new_notebook(
+        cells=[nbformat.v4.new_code_cell(SETUP), nbformat.v4.new_code_cell(EULER)]
+    )
     notebook.cells[0].outputs = [nbformat.v4.new_output("stream", text="x" * 400_000)]
     nbformat.write(notebook, tmp_path / "mine.ipynb")
     *_, remote = play(connect(server), 'ecp.submit(file="mine.ipynb", exercises=["2"])')
@@ -152,13 +173,22 @@ def test_the_courses_own_notebook_runs_in_a_kernel_and_prints_its_nine_lines(pla
 
 @pytest.mark.slow
 def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, play):
-    cells = ["data = open('/dev/null')", EULER + "    data", "def box_moments(m, a, b, c):\n    '''Moments.'''\n    ...\n"]
+    cells = [
+        "data = open('/dev/null')",
+        EULER + "    data",
+        "def box_moments(m, a, b, c):\n    '''Moments.'''\n    ...\n",
+    ]
     wrong = ["ecp.submit(np.cross)", "ecp.submit(euler_eqs, file='mine.py')"]
     calls = ["ecp.submit(box_moments)", *wrong, "ecp.submit(euler_eqs, box_moments)"]
     *_, nothing, other, both, remote = play(connect(server), *cells, *calls, allow_errors=True)
-    assert "Nothing was submitted: `cross` is not among the functions of rigid-body" in said(other) and "euler_eqs" in said(other)
+    assert "Nothing was submitted: `cross` is not among the functions of rigid-body" in said(
+        other
+    ) and "euler_eqs" in said(other)
     assert said(both) == "Submit either functions or a file, not both: nothing was submitted."
-    assert said(nothing) == "Nothing was submitted: `box_moments` has no code yet. Write it, run its cell, and submit again.\n"
+    assert (
+        said(nothing)
+        == "Nothing was submitted: `box_moments` has no code yet. Write it, run its cell, and submit again.\n"
+    )
     html = page(remote)
     assert "Not sent, still empty: box_moments." in html and re.search(r"<p>data: ", html)
 
@@ -168,11 +198,21 @@ def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1")
     submit = 'ecp.submit(euler_eqs, exercises=["2"])'
     *_, found, _ = play(
-        connect(server), EULER.replace("- I[2]", "+ I[2]"), submit, EULER, submit, "ecp.submissions()", "len(ecp.attempts())"
+        connect(server),
+        EULER.replace("- I[2]", "+ I[2]"),
+        submit,
+        EULER,
+        submit,
+        "ecp.submissions()",
+        "len(ecp.attempts())",
     )
     newest, first = shown(found).split("\n")
-    flips = r"(5 checks ✗ → ✓|4 checks ✗ → ✓; 1 check – → ✓)"  # a wrong equation may keep the solver busy beyond its time
-    assert re.search(rf"  5 of 36 \+ 6 bonus  best, latest  lines \+1 −1; {flips}$", newest) and "0 of 36 + 6 bonus" in first
+    # a wrong equation may keep the solver busy beyond its time
+    flips = r"(5 checks ✗ → ✓|4 checks ✗ → ✓; 1 check – → ✓)"
+    assert (
+        re.search(rf"  5 of 36 \+ 6 bonus  best, latest  lines \+1 −1; {flips}$", newest)
+        and "0 of 36 + 6 bonus" in first
+    )
     listed = fetch(server, "/assignments/rigid-body")
     assert listed.count('scope="row"') == 2 and re.search(flips, listed) and "(best)" in listed
     server.stop()
@@ -191,11 +231,15 @@ def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_p
 
     harm = threading.Thread(target=kill_and_start_again)
     harm.start()
-    *_, remote = play(connect(server), "import time", "time.sleep(1.5)\n" + EULER, 'ecp.submit(exercises=["2"])')
+    *_, remote = play(
+        connect(server), "import time", "time.sleep(1.5)\n" + EULER, 'ecp.submit(exercises=["2"])'
+    )
     begun.set()
     harm.join()
     assert shown(remote).count("✓") == 5
-    assert fetch(server, "/").count('href="/submissions/') == 1, "one submission, however often it was asked for"
+    assert fetch(server, "/").count('href="/submissions/') == 1, (
+        "one submission, however often it was asked for"
+    )
 
 
 @pytest.fixture
@@ -206,7 +250,8 @@ def asking(server, monkeypatch):
         yield application
 
 
-@pytest.mark.slow  # logins of a notebook: test_identity.py and test_entrance.py; the kit's calls: test_transport.py
+# logins of a notebook: test_identity.py and test_entrance.py; the kit's calls: test_transport.py
+@pytest.mark.slow
 def test_login_revoked_and_offline(server, asking, tmp_path, play):
     database_url = running_url(server.data)
 
@@ -249,7 +294,11 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
     assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5
     assert health + "0." in said(login) and said(again) == f"Logged in as ann.\n{health}1.\n"
     assert "You are not logged in at" in said(after) and "Traceback" not in said(after)
-    assert "polhode.invalid" in said(offline) and "Traceback" not in said(offline) and shown(local).count("✓") == 3
+    assert (
+        "polhode.invalid" in said(offline)
+        and "Traceback" not in said(offline)
+        and shown(local).count("✓") == 3
+    )
     kept = tmp_path / "xdg_config_home" / "polhode" / "tokens.json"
     assert kept.stat().st_mode & 0o077 == 0 and json.loads(kept.read_text()) == {}
     saved = json.dumps(outputs)
@@ -262,7 +311,9 @@ def solutions(rigid_body):
     for name in ("right_all.py", "right_tumble_box_polys.py"):
         source = (rigid_body.folder / "samples" / name).read_text()
         found |= {
-            node.name: ast.get_source_segment(source, node) for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)
+            node.name: ast.get_source_segment(source, node)
+            for node in ast.parse(source).body
+            if isinstance(node, ast.FunctionDef)
         }
     return found
 
@@ -275,30 +326,47 @@ CELLS = ["as downloaded", "with right functions, without drawings", "with right 
 def test_the_course_notebook_as_the_server_gives_it(which, server, play, tmp_path, monkeypatch, rigid_body):
     """Its %pip cell installs the kit from the server that runs; nothing of ours is there before.
 
-    Without drawings means that animations stay empty and no cell shows a figure: these take longer than all others.
+    Without drawings means that animations stay empty and no cell shows a figure: these take longer than all
+    others.
     """
     (tmp_path / "installed").mkdir()
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "installed"))
     monkeypatch.setenv("PIP_TARGET", str(tmp_path / "installed"))
     monkeypatch.setenv("PIP_NO_DEPS", "1")
     monkeypatch.setenv("PIP_NO_INDEX", "1")
-    cells = [c for c in json.loads(fetch(server, "/v1/assignments/rigid-body/notebook.ipynb"))["cells"] if c["cell_type"] == "code"]
+    cells = [
+        c
+        for c in json.loads(fetch(server, "/v1/assignments/rigid-body/notebook.ipynb"))["cells"]
+        if c["cell_type"] == "code"
+    ]
     if "without" in which:
         cells = [c for c in cells if c["metadata"].get("tags") and c["id"] not in ("ex5-check", "ex6-check")]
     right = {} if which == "as downloaded" else solutions(rigid_body)
-    right = {name: source for name, source in right.items() if not ("without" in which and name.startswith("animate"))}
+    right = {
+        name: source
+        for name, source in right.items()
+        if not ("without" in which and name.startswith("animate"))
+    }
     sources = []
     for cell in cells:
         source = "".join(cell["source"])
         name = re.match(r"def (\w+)", source)
-        sources.append(right.get(name[1], source) if name and "solution" in cell["metadata"].get("tags", []) else source)
+        sources.append(
+            right.get(name[1], source) if name and "solution" in cell["metadata"].get("tags", []) else source
+        )
     sources[1] = "%matplotlib inline\n" + sources[1]
-    sources = [source.replace("\n# ecp.submit", "\necp.submit") for source in sources]  # as a student does who wants to submit
+    sources = [
+        source.replace("\n# ecp.submit", "\necp.submit") for source in sources
+    ]  # as a student does who wants to submit
     outputs = dict(zip([c["id"] for c in cells], play(*sources), strict=True))
-    assert sources[0].count(server.url) == 2 and f"{server.url} is ready. Deadline: none." in said(outputs["install"])
+    assert sources[0].count(server.url) == 2 and f"{server.url} is ready. Deadline: none." in said(
+        outputs["install"]
+    )
     if which == "as downloaded":
         assert "Nothing was submitted: " in said(outputs["submit"])
-        assert "[not measured: euler_eqs returned None: is a return statement missing?]" in shown(outputs["ex2-check"])
+        assert "[not measured: euler_eqs returned None: is a return statement missing?]" in shown(
+            outputs["ex2-check"]
+        )
         return
     remote = shown(outputs["submit"]).split("\n")
     local = [line for id in outputs if id.endswith("-check") for line in shown(outputs[id]).split("\n")]

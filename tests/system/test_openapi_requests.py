@@ -1,4 +1,6 @@
-"""Requests that schemathesis derives from the OpenAPI document: no 5xx, and nothing that the document does not declare."""
+"""Requests that schemathesis derives from the OpenAPI document: no 5xx, and nothing that the document does
+not declare.
+"""
 
 import json
 
@@ -21,8 +23,13 @@ from tests.support.submissions import graded
 load_all_checks()
 SWEEP = b'{"scene": "free", "points": [], "line": "no points"}'
 EXAMPLES = 30  # of each operation, for each role
-# Refuse bodies of a valid form by their content: the source, the code of a login, a line that the source does not have.
-REFUSES = {"POST /v1/assignments/{slug}/submissions", "POST /v1/logins/token", "POST /v1/submissions/{id}/comments"}
+# Refuse bodies of a valid form by their content: the source, the code of a login, a line that the source does
+# not have.
+REFUSES = {
+    "POST /v1/assignments/{slug}/submissions",
+    "POST /v1/logins/token",
+    "POST /v1/submissions/{id}/comments",
+}
 ARTEFACTS = ("figures/omega.png", "figures/omega.svg", "sweep.json", "sweep.svg", "animations/spin.png")
 
 
@@ -40,8 +47,13 @@ def server(url):
 
 @pytest.fixture(scope="module")
 def known(url):
-    """Path parameters of what exists: ann's graded submission with its pictures, and the names of an assignment."""
-    picture = {"figures": [Picture("omega", "2", "ω", "ω(t)")], "animations": [Picture("spin", "2", "spin", "a spin")]}
+    """Path parameters of what exists: ann's graded submission with its pictures, and the names of an
+    assignment.
+    """
+    picture = {
+        "figures": [Picture("omega", "2", "ω", "ω(t)")],
+        "animations": [Picture("spin", "2", "spin", "a spin")],
+    }
     id = graded(url, "ann", "+-", **picture)
 
     async def store(database):
@@ -49,25 +61,40 @@ def known(url):
         await store_artefacts(database, grading, dict.fromkeys(ARTEFACTS, SWEEP))
 
     run(url, store)
-    return {"id": [str(id)], "slug": ["rigid-body"], "name": ["omega", "spin", wheel.filename("rigid-body"), wheel.filename()]}
+    return {
+        "id": [str(id)],
+        "slug": ["rigid-body"],
+        "name": ["omega", "spin", wheel.filename("rigid-body"), wheel.filename()],
+    }
 
 
 def cases(operation, known):
     """Valid requests, half of them for what exists, and invalid ones."""
 
     def existing(case, values):
-        case.path_parameters |= {name: value for name, value in values.items() if name in case.path_parameters}
+        case.path_parameters |= {
+            name: value for name, value in values.items() if name in case.path_parameters
+        }
         return case
 
     valid = operation.as_strategy(generation_mode=GenerationMode.POSITIVE)
     values = st.fixed_dictionaries({name: st.sampled_from(choices) for name, choices in known.items()})
-    return st.one_of(valid, st.builds(existing, valid, values), operation.as_strategy(generation_mode=GenerationMode.NEGATIVE))
+    return st.one_of(
+        valid,
+        st.builds(existing, valid, values),
+        operation.as_strategy(generation_mode=GenerationMode.NEGATIVE),
+    )
 
 
 def request_operation(server, operation, known, token):
     excluded = [CHECKS.get_one("positive_data_acceptance")] if operation.label in REFUSES else []
 
-    @hypothesis.settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(hypothesis.HealthCheck), database=None)
+    @hypothesis.settings(
+        max_examples=EXAMPLES,
+        deadline=None,
+        suppress_health_check=list(hypothesis.HealthCheck),
+        database=None,
+    )
     @hypothesis.seed(24)
     @hypothesis.given(cases(operation, known))
     def check(case):
@@ -82,7 +109,11 @@ def request_operation(server, operation, known, token):
 def test_the_server_does_what_its_document_declares(server, url, known, role, subtests):
     schema = schemathesis.openapi.from_dict(json.loads(call(server, "/openapi.json")[2]))
     for operation in (found.ok() for found in schema.get_all_operations()):
-        run(url, lambda database: register_worker(database, "w1", "namespaces", None))  # counts as alive for ten seconds
-        token = entered(url, "ann" if role == "student" else "prof", role)  # of one operation, which may revoke it
+        run(
+            url, lambda database: register_worker(database, "w1", "namespaces", None)
+        )  # counts as alive for ten seconds
+        token = entered(
+            url, "ann" if role == "student" else "prof", role
+        )  # of one operation, which may revoke it
         with subtests.test(operation.label):
             request_operation(server, operation, known, token)

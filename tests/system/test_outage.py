@@ -1,4 +1,6 @@
-"""The database away for longer than every pool waits: calls say so, results in hand are kept, and all recovers by itself."""
+"""The database away for longer than every pool waits: calls say so, results in hand are kept, and all
+recovers by itself.
+"""
 
 import json
 import time
@@ -12,16 +14,20 @@ from service.store.postgres.backup import check
 from service.store.postgres.server import EmbeddedPostgres
 
 RIGHT = "import time\ntime.sleep({})\ndef euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
-# Seconds it is out, seconds a submission sleeps in each of two children, workers, and settings. Procrastinate has been seen to
-# leave jobs "doing" after forty seconds.
-SHORT = pytest.param(3.0, 0.4, 1, {"POLHODE_LEASE": "0.8", "POLHODE_DATABASE_WAIT": "0.5"}, id="3 s", marks=pytest.mark.slow)
+# Seconds it is out, seconds a submission sleeps in each of two children, workers, and settings. Procrastinate
+# has been seen to leave jobs "doing" after forty seconds.
+SHORT = pytest.param(
+    3.0, 0.4, 1, {"POLHODE_LEASE": "0.8", "POLHODE_DATABASE_WAIT": "0.5"}, id="3 s", marks=pytest.mark.slow
+)
 LONG = pytest.param(40.0, 3.0, 2, {}, id="40 s", marks=pytest.mark.slow)
 PATH = "/v1/assignments/rigid-body/submissions"
 
 
 def call(url, path, document=None, **headers):
     data = None if document is None else json.dumps(document).encode()
-    given = {"Content-Type": "application/json"} | {name.replace("_", "-"): value for name, value in headers.items()}
+    given = {"Content-Type": "application/json"} | {
+        name.replace("_", "-"): value for name, value in headers.items()
+    }
     try:
         with urllib.request.urlopen(urllib.request.Request(url + path, data, given), timeout=30) as answer:
             return answer.status, answer.headers, json.load(answer)
@@ -43,18 +49,29 @@ def test_an_outage(out_s, sleep_s, workers, settings, new_server, tmp_path):
     database = EmbeddedPostgres(tmp_path / "database")
     database.start()
     try:
-        server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database.url, POLHODE_WORKERS=str(workers), **settings)
+        server = new_server(
+            tmp_path / "data", POLHODE_DATABASE_URL=database.url, POLHODE_WORKERS=str(workers), **settings
+        )
         body = {"source": RIGHT.format(sleep_s), "exercises": ["2"]}
         ids = [call(server.url, PATH, body)[2]["id"] for _ in range(2 * workers + 1)]
         with psycopg.connect(database.url) as connection:
-            wait_for(lambda: connection.execute("SELECT count(*) FROM run WHERE ended_at IS NULL").fetchone() == (workers,))
+            wait_for(
+                lambda: (
+                    connection.execute("SELECT count(*) FROM run WHERE ended_at IS NULL").fetchone()
+                    == (workers,)
+                )
+            )
         database.stop()  # each worker grades one, the others wait
         _out(server.url, body, out_s)
         database.start()
         back = time.monotonic()
-        late = wait_for(lambda: (a := call(server.url, PATH, body, Idempotency_Key="k"))[0] == 202 and a[2]["id"], 10)
+        late = wait_for(
+            lambda: (a := call(server.url, PATH, body, Idempotency_Key="k"))[0] == 202 and a[2]["id"], 10
+        )
         for id in [*ids, late]:
-            document = wait_for(lambda id=id: (d := call(server.url, f"/v1/submissions/{id}")[2])["status"] == "graded" and d)
+            document = wait_for(
+                lambda id=id: (d := call(server.url, f"/v1/submissions/{id}")[2])["status"] == "graded" and d
+            )
             assert document["report"]["passed"]
         assert time.monotonic() - back < 60
         _nothing_is_left(database.url, workers)

@@ -1,4 +1,6 @@
-"""What a submission does to get at the reference functions of another process, and to that process: it learns only their values."""
+"""What a submission does to get at the reference functions of another process, and to that process: it learns
+only their values.
+"""
 
 import re
 import textwrap
@@ -42,7 +44,8 @@ def attempt(label, action):
 """
 LATER = "\ndef later(x):\n    return step(lambda x: 2 * x, x)\n"
 ATTACKS = {
-    "closure": """
+    "closure": (
+        """
         def parts(value, depth=0):
             yield value
             if depth < 6:
@@ -54,16 +57,20 @@ ATTACKS = {
                 search("closure", value)
             elif isinstance(value, types.CodeType):
                 search_code("closure", value)
-        """,
-    "objects": """
+        """
+    ),
+    "objects": (
+        """
         for value in gc.get_objects():
             for part in [value, *gc.get_referents(value)]:
                 if isinstance(part, types.CodeType):
                     search_code("objects", part)
                 elif isinstance(part, (str, bytes)):
                     search("objects", part)
-        """,
-    "frames": """
+        """
+    ),
+    "frames": (
+        """
         def look(x):
             frame = sys._getframe()
             while frame:
@@ -72,8 +79,10 @@ ATTACKS = {
                 frame = frame.f_back
             return x
         step(look, 1.0)
-        """,
-    "exception": """
+        """
+    ),
+    "exception": (
+        """
         def raises(x):
             raise ValueError
         try:
@@ -89,16 +98,20 @@ ATTACKS = {
                 step(*arguments)
             except Exception as error:
                 search("exception", repr(error), repr(error.__dict__))
-        """,
-    "proc": """
+        """
+    ),
+    "proc": (
+        """
         pids = {os.getpid() + k for k in range(-6, 7)} | {os.getppid(), 1}
         pids |= {int(name) for name in attempt("list", lambda: os.listdir("/proc")) or () if name.isdigit()}
         for pid in pids - {os.getpid()}:
             for name in ("mem", "environ", "maps", "stack", "fd/3"):
                 if attempt(f"{pid}/{name}", lambda: open(f"/proc/{pid}/{name}", "rb").read(100)) is not None:
                     print("ESCAPED proc", pid, name)
-        """,
-    "kernel": """
+        """
+    ),
+    "kernel": (
+        """
         def raw(number, *arguments):
             found = libc.syscall(*(ctypes.c_long(a) if isinstance(a, int) else a for a in (number, *arguments)))
             if found < 0:
@@ -112,13 +125,17 @@ ATTACKS = {
             for label, number, arguments in CALLS if pid != os.getpid() else ():
                 if attempt(label, lambda: raw(number, *[pid if x == "pid" else x for x in arguments])) is not None:
                     print("ESCAPED", label, pid)
-        """,
-    "descriptors": """
+        """
+    ),
+    "descriptors": (
+        """
         for fd in [*range(6, 100)]:
             if attempt(str(fd), lambda: os.fstat(fd)) is not None:
                 print("ESCAPED descriptor", fd)
-        """,
-    "calls": """
+        """
+    ),
+    "calls": (
+        """
         def ask(*message):
             text = json.dumps(message).encode()
             os.write(5, struct.pack("<II", len(text), len(text)) + text)
@@ -130,12 +147,17 @@ ATTACKS = {
         for node in (["function", 0, "f"], ["function", -1, "__import__"], ["dict", ["__class__", "x"]], ["complex", 1, 2]):
             search("value", ask("call", "step", ["tuple", node, 1], ["dict"]) if node[0] != "function" else b"")
         search("raise", ask("call", "step", ["tuple", "text", "x"], ["dict"]))
-        """,
+        """
+    ),
 }
 ENDS = {
     "garbage": ("os.write(5, b'\\x80\\x04garbage!')", Ended.PROTOCOL, ""),
     "huge length": ("os.write(5, b'\\xff' * 8)", Ended.PROTOCOL, ""),
-    "answer without a call": ("os.write(5, struct.pack('<II', 13, 13) + b'[\"return\", 1]')", Ended.PROTOCOL, ""),
+    "answer without a call": (
+        "os.write(5, struct.pack('<II', 13, 13) + b'[\"return\", 1]')",
+        Ended.PROTOCOL,
+        "",
+    ),
     "closed": ("os.close(5)", Ended.RAISED, "the process of the reference functions stopped"),
     "raising": ("step(lambda x: 1 / 0, 1.0)", Ended.RAISED, "ZeroDivisionError"),
     "recursion": ("g = lambda x: step(g, x); g(1.0)", Ended.RAISED, "RecursionError: more than 20 calls"),
@@ -150,7 +172,10 @@ ENDS = {
 
 @pytest.fixture(scope="module")
 def sandboxes():
-    started = {"process": Sandbox(process_isolation()), "namespaces": Sandbox(namespace_isolation(find_bubblewrap()))}
+    started = {
+        "process": Sandbox(process_isolation()),
+        "namespaces": Sandbox(namespace_isolation(find_bubblewrap())),
+    }
     yield started
     for sandbox in started.values():
         sandbox.close()
@@ -162,10 +187,15 @@ def short_waits(monkeypatch):
 
 
 def played(sandbox, source, scenes=1, budget_s=5.0, reference=REFERENCE):
-    requests = [SceneRequest(f"s{k}", "ask", "later", {"x": k + 1.0}, {"x": ArraySpec(())}, budget_s, None) for k in range(scenes)]
+    requests = [
+        SceneRequest(f"s{k}", "ask", "later", {"x": k + 1.0}, {"x": ArraySpec(())}, budget_s, None)
+        for k in range(scenes)
+    ]
     cells = (Cell("submission.py", PRELUDE + source),)
     functions = ReferenceFunctions(("step",), reference)
-    return sandbox.play(Job("import numpy as np", PLAYS, cells, ("later",), tuple(requests), reference=functions))
+    return sandbox.play(
+        Job("import numpy as np", PLAYS, cells, ("later",), tuple(requests), reference=functions)
+    )
 
 
 def unharmed(sandbox):
@@ -176,7 +206,9 @@ def unharmed(sandbox):
 @pytest.mark.parametrize("level", ["process", "namespaces"])
 def test_the_reference_cannot_be_read(sandboxes, level):
     sandbox = sandboxes[level]
-    source = "\n".join(f"{textwrap.dedent(attack)}\nprint('tried', {name!r})" for name, attack in ATTACKS.items())
+    source = "\n".join(
+        f"{textwrap.dedent(attack)}\nprint('tried', {name!r})" for name, attack in ATTACKS.items()
+    )
     result = played(sandbox, source + LATER, 2)
     assert not result.cells, result.cells
     assert all(f"tried {name}\n" in result.stdout for name in ATTACKS), result.stdout
@@ -188,7 +220,8 @@ def test_each_search_finds_the_reference_where_the_submission_itself_has_it(sand
     """A search that finds nothing anywhere proves nothing."""
     for name in ("closure", "objects"):
         result = played(
-            sandboxes["process"], REFERENCE.replace("def step", "def own") + textwrap.dedent(ATTACKS[name]).replace("step", "own")
+            sandboxes["process"],
+            REFERENCE.replace("def step", "def own") + textwrap.dedent(ATTACKS[name]).replace("step", "own"),
         )
         assert "ESCAPED" in result.stdout, name
 
@@ -198,11 +231,16 @@ def test_processes_of_the_same_user_cannot_read_it_without_the_other_layers_eith
     """Only the refusal to be traced (PR_SET_DUMPABLE) is left."""
     sandbox = Sandbox(process_isolation(["limits"]))
     try:
-        proc = textwrap.dedent(ATTACKS["proc"]).replace(', "maps", "stack", "fd/3"', "")  # "maps" opens, and cannot be read
+        proc = textwrap.dedent(ATTACKS["proc"]).replace(
+            ', "maps", "stack", "fd/3"', ""
+        )  # "maps" opens, and cannot be read
         kernel = re.sub(r"\nCALLS \+= .*", "", textwrap.dedent(ATTACKS["kernel"]))
         result = played(sandbox, f"{proc}{kernel}print('tried')\n{LATER}")
         assert "tried" in result.stdout and "ESCAPED" not in result.stdout, result.stdout
-        assert "environ blocked: PermissionError" in result.stdout and "process_vm_readv blocked: PermissionError" in result.stdout
+        assert (
+            "environ blocked: PermissionError" in result.stdout
+            and "process_vm_readv blocked: PermissionError" in result.stdout
+        )
     finally:
         sandbox.close()
 
@@ -213,7 +251,9 @@ def test_a_scene_that_misuses_the_calls_ends_with_a_sentence(sandboxes, level, n
     action, ended, sentence = ENDS[name]
     source = f"def later(x):\n    if x == 1:\n        {action}\n    return step(lambda x: 2 * x, x)\n"
     result = played(sandboxes[level], source, 2, budget_s=0.3 if name == "never" else 5.0)
-    assert result.scene_ends["s0"].ended is ended and sentence in result.scene_ends["s0"].sentence, result.scene_ends
+    assert result.scene_ends["s0"].ended is ended and sentence in result.scene_ends["s0"].sentence, (
+        result.scene_ends
+    )
     if ended is not Ended.PROTOCOL:
         assert result.arrays["s1"]["x"] == 5.0, result.scene_ends  # the other scene is unharmed
     assert unharmed(sandboxes[level])
@@ -222,7 +262,9 @@ def test_a_scene_that_misuses_the_calls_ends_with_a_sentence(sandboxes, level, n
 def test_a_scene_does_not_wait_for_a_reference_that_sleeps(sandboxes):
     reference = "import time\ndef step(f, x):\n    time.sleep(1000 if x == 1 else 0)\n    return f(x) + 1\n"
     result = played(sandboxes["process"], LATER, 2, 0.1, reference)
-    assert result.scene_ends["s0"].ended is Ended.TIMED_OUT and result.arrays["s1"]["x"] == 5.0, result.scene_ends
+    assert result.scene_ends["s0"].ended is Ended.TIMED_OUT and result.arrays["s1"]["x"] == 5.0, (
+        result.scene_ends
+    )
     assert unharmed(sandboxes["process"])
 
 
@@ -236,10 +278,16 @@ def test_right_solutions_that_cannot_be_loaded_are_a_system_fault(sandboxes):
 def test_both_processes_are_charged_and_each_has_the_limit(sandboxes):
     """The submission computes for 0.4 s, then the reference until the kernel ends it after about a second."""
     reference = ReferenceFunctions(("step",), "def step(f, x):\n    for _ in iter(int, 1): pass\n")
-    source = "import time\ndef later(x):\n    while time.process_time() < before + 0.4: pass\n    return step(abs, x)\n"
+    source = (
+        "import time\ndef later(x):\n    while time.process_time() < before + 0.4: pass\n    return step(abs,"
+        " x)\n"
+    )
     cells = (Cell("submission.py", f"{source}before = time.process_time()\n"),)
     requests = (SceneRequest("s0", "ask", "later", {"x": 1.0}, {"x": ArraySpec(())}, 5.0, None),)
     budget = TimeBudget(TimeLimits(cpu_s=1.0))
     job = Job("import numpy as np", PLAYS, cells, ("later",), requests, reference=reference)
     result = sandboxes["process"].play(job, budget=budget)
-    assert budget.cpu_s > 1.1 and "the process of the reference functions stopped" in result.scene_ends["s0"].sentence
+    assert (
+        budget.cpu_s > 1.1
+        and "the process of the reference functions stopped" in result.scene_ends["s0"].sentence
+    )

@@ -13,13 +13,19 @@ from service.sandbox.result import Cancelled
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 LOOPS = {
     "while it is loaded": "while True:\n    pass\n" + GOOD,
-    "in a scene": GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n",
-    "printing": "while True:\n    print('x' * 10, flush=True)\n    import time\n    time.sleep(0.01)\n" + GOOD,
+    "in a scene": GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n")
+    + "calls = []\n",
+    "printing": "while True:\n    print('x' * 10, flush=True)\n    import time\n    time.sleep(0.01)\n"
+    + GOOD,
 }
 
 
-@pytest.mark.parametrize("where", ["in a scene", *(pytest.param(w, marks=pytest.mark.slow) for w in LOOPS if w != "in a scene")])
-def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_guest(sandbox, rigid_body, where):
+@pytest.mark.parametrize(
+    "where", ["in a scene", *(pytest.param(w, marks=pytest.mark.slow) for w in LOOPS if w != "in a scene")]
+)
+def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_guest(
+    sandbox, rigid_body, where
+):
     sandbox.wait_ready()
     before, timer = sandbox.zygotes, threading.Timer(0.6, sandbox.cancelled.set)
     timer.start()

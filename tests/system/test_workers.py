@@ -1,6 +1,8 @@
-"""Workers as real processes: one that dies, freezes or is stopped loses nothing; what it had is begun elsewhere.
+"""Workers as real processes: one that dies, freezes or is stopped loses nothing; what it had is begun
+elsewhere.
 
-A lease is shorter here than a server's, whose own is tested in tests/service/test_settings.py and test_machines.py.
+A lease is shorter here than a server's, whose own is tested in tests/service/test_settings.py and
+test_machines.py.
 """
 
 import json
@@ -53,7 +55,10 @@ def rows(url, query, *values):
 
 def running(database_url, id, but=()):
     """Name and process of the worker that runs this submission now."""
-    query = "SELECT worker FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s AND ended_at IS NULL"
+    query = (
+        "SELECT worker FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s AND ended_at"
+        " IS NULL"
+    )
     names = [name for (name,) in rows(database_url, query, id) if name not in but]
     return (names[0], int(names[0].split("/")[1])) if names else None
 
@@ -69,7 +74,10 @@ def front(new_server, tmp_path_factory, url):
 
 def run_of(url, id, worker, column):
     """A column of that worker's run of a submission, or None before it begins."""
-    query = f"SELECT {column} FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s AND worker = %s"
+    query = (
+        f"SELECT {column} FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s AND worker"
+        " = %s"
+    )
     return (rows(url, query, id, worker) or [(None,)])[0][0]
 
 
@@ -106,21 +114,33 @@ def test_a_clock_that_jumps_while_a_submission_is_graded(front, url, hours):
     wait_for(lambda: running(url, ids[0]) and running(url, ids[1]))
     jump(url, hours)
     for id in ids:
-        document = wait_for(lambda id=id: (d := get(front.url, id))["status"] in ("graded", "faulted") and d, 60)
+        document = wait_for(
+            lambda id=id: (d := get(front.url, id))["status"] in ("graded", "faulted") and d, 60
+        )
         assert document["status"] == "graded" and document["report"]["passed"]
-    results = "SELECT count(*), count(DISTINCT submission_id) FROM result JOIN grading a ON a.id = grading_id "
+    results = (
+        "SELECT count(*), count(DISTINCT submission_id) FROM result JOIN grading a ON a.id = grading_id "
+    )
     assert rows(url, results + "WHERE submission_id = ANY(%s)", ids) == [(3, 3)]
     wait_for(lambda: rows(url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)])
-    ends = "SELECT DISTINCT end_reason FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = ANY(%s)"
+    ends = (
+        "SELECT DISTINCT end_reason FROM run JOIN grading a ON a.id = grading_id WHERE submission_id ="
+        " ANY(%s)"
+    )
     assert {end for (end,) in rows(url, ends, ids)} <= {"finished", "superseded"}
 
 
 @pytest.mark.slow  # test_runs.py: three lost runs are a fault
 @pytest.mark.parametrize("before", [2, 0], ids=["two lost before", "none lost before"])
-def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(before, front, url, monkeypatch, capsys):
+def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(
+    before, front, url, monkeypatch, capsys
+):
     id, seen = post(front.url, SLOW.format(1))["id"], []
     lost = "INSERT INTO run (id, grading_id, worker, started_at, ended_at, phase, end_reason, note) "
-    lost += "SELECT gen_random_uuid(), id, 'x/1', now(), now(), 'playing', 'lost', 'x' FROM grading WHERE submission_id = %s"
+    lost += (
+        "SELECT gen_random_uuid(), id, 'x/1', now(), now(), 'playing', 'lost', 'x' FROM grading WHERE"
+        " submission_id = %s"
+    )
     for _ in range(before):
         rows(url, lost, id)
     for _ in range(3 - before):
@@ -139,12 +159,24 @@ def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_
 
 @pytest.fixture
 def crew(database_url):
-    """Two workers without a server, which give what they have 3 s when they are stopped; the processes are in ``workers``."""
-    environment = os.environ | QUICK | {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "2", "POLHODE_DRAIN": "3"}
+    """Two workers without a server, which give what they have 3 s when they are stopped; the processes are in
+    ``workers``.
+    """
+    environment = (
+        os.environ
+        | QUICK
+        | {
+            "POLHODE_DATABASE_URL": database_url,
+            "POLHODE_WORKERS": "2",
+            "POLHODE_DRAIN": "3",
+        }
+    )
     process = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
     try:
         ready = "SELECT split_part(name, '/', 2)::int FROM worker WHERE isolation IS NOT NULL"
-        process.workers = wait_for(lambda: len(found := rows(database_url, ready)) == 2 and [pid for (pid,) in found], 60)
+        process.workers = wait_for(
+            lambda: len(found := rows(database_url, ready)) == 2 and [pid for (pid,) in found], 60
+        )
         yield process
     finally:
         process.kill()
@@ -154,15 +186,22 @@ def crew(database_url):
 @pytest.mark.slow  # test_slot.py: what a stopped worker has in hand is given back
 def test_a_stopped_worker_finishes_or_gives_back(crew, database_url):
     brief, long = (
-        submitted(database_url, person, source=SLOW.format(s), exercises=["2"])[0] for person, s in (("ann", 0.3), ("bob", 30))
+        submitted(database_url, person, source=SLOW.format(s), exercises=["2"])[0]
+        for person, s in (("ann", 0.3), ("bob", 30))
     )
     names = [wait_for(lambda id=id: running(database_url, id))[0] for id in (brief, long)]
     crew.terminate()
     assert crew.wait(15) == 0
-    assert [run_of(database_url, *run, "end_reason") for run in zip((brief, long), names, strict=True)] == ["finished", "released"]
+    assert [run_of(database_url, *run, "end_reason") for run in zip((brief, long), names, strict=True)] == [
+        "finished",
+        "released",
+    ]
     results = "SELECT submission_id, score = max_score FROM result JOIN grading a ON a.id = grading_id"
     assert rows(database_url, results) == [(brief, True)]
-    jobs = "SELECT submission_id, status::text FROM procrastinate_jobs JOIN grading a ON a.id::text = args->>'attempt'"
+    jobs = (
+        "SELECT submission_id, status::text FROM procrastinate_jobs JOIN grading a ON a.id::text ="
+        " args->>'attempt'"
+    )
     assert rows(database_url, jobs) == [(long, "todo")], "nothing is lost, and nothing graded twice"
 
 
@@ -179,7 +218,10 @@ def test_workers_end_with_a_crew_that_is_killed_and_the_server_starts_another(fr
     """The crew is the parent of the workers that are there."""
     recent = "SELECT split_part(name, '/', 2)::int FROM worker WHERE seen_at > now() - interval '10 s'"
     workers = wait_for(
-        lambda: len(found := [pid for (pid,) in rows(url, recent) if b"service.cli" in command_of(pid)]) == 2 and found
+        lambda: (
+            len(found := [pid for (pid,) in rows(url, recent) if b"service.cli" in command_of(pid)]) == 2
+            and found
+        )
     )
     (crew,) = {int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1]) for pid in workers}
     assert set(children(crew)) == set(workers) and crew != front.process.pid
@@ -217,7 +259,10 @@ def events(url, id, **headers):
     with urllib.request.urlopen(request, timeout=60) as answer:
         assert answer.headers["content-type"].startswith("text/event-stream")
         blocks = answer.read().decode().strip().split("\n\n")
-    return [dict(line.split(": ", 1) for line in block.split("\n") if not line.startswith(":")) for block in blocks]
+    return [
+        dict(line.split(": ", 1) for line in block.split("\n") if not line.startswith(":"))
+        for block in blocks
+    ]
 
 
 @pytest.mark.slow
@@ -230,7 +275,10 @@ def test_progress_reaches_every_server(front, url):
         data = [json.loads(e["data"]) for e in told]
         places = [d["position"] for d in data if d["status"] == "queued"]
         assert places[0] <= 4 and places == sorted(places, reverse=True)
-        assert any(d["status"] == "running" and d["scenes"] for d in data) and data[-1]["score"] == data[-1]["max_score"] == 5
+        assert (
+            any(d["status"] == "running" and d["scenes"] for d in data)
+            and data[-1]["score"] == data[-1]["max_score"] == 5
+        )
         again = events(other.url, ids[-1], Last_Event_ID=told[-2]["id"])
         assert [e["event"] for e in again] == ["graded"]
         with pytest.raises(urllib.error.HTTPError) as error:
@@ -241,7 +289,11 @@ def test_progress_reaches_every_server(front, url):
 
 def _metrics(server):
     with urllib.request.urlopen(f"{server.url}/metrics", timeout=10) as answer:
-        return dict(line.rsplit(" ", 1) for line in answer.read().decode().split("\n") if line and not line.startswith("#"))
+        return dict(
+            line.rsplit(" ", 1)
+            for line in answer.read().decode().split("\n")
+            if line and not line.startswith("#")
+        )
 
 
 @pytest.mark.slow
@@ -253,26 +305,43 @@ def test_metrics(front, url):
     assert float(told['polhode_results_total{status="graded"}']) == graded > 0
     assert float(told["polhode_wait_seconds_count"]) >= graded
     assert float(told['polhode_runs{ending="finished"}']) == graded
-    assert 'polhode_http_requests_total{method="POST",route="/v1/assignments/{slug}/submissions",status="200"}' in told
-    assert not any("/v1/submissions/" in name and "{id}" not in name for name in told)  # templates, not addresses
+    assert (
+        'polhode_http_requests_total{method="POST",route="/v1/assignments/{slug}/submissions",status="200"}'
+        in told
+    )
+    assert not any(
+        "/v1/submissions/" in name and "{id}" not in name for name in told
+    )  # templates, not addresses
 
 
 def test_the_queue_as_a_table(database_url, monkeypatch, capsys):
     waits, (runs, grading) = submitted(database_url, "ann")[0], submitted(database_url, "bob")
-    sql(database_url, "UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'attempt' = %s", str(grading))
+    sql(
+        database_url,
+        "UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'attempt' = %s",
+        str(grading),
+    )
     claim(database_url, grading, "here/7")
     monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
     assert main(["queue"]) == 0
     told = capsys.readouterr().out
-    assert "     1 interactive waiting" in told and re.search(f"^here/7 .*{runs}", told, re.M) and str(waits) not in told, told
+    assert (
+        "     1 interactive waiting" in told
+        and re.search(f"^here/7 .*{runs}", told, re.M)
+        and str(waits) not in told
+    ), told
 
 
 @pytest.mark.slow
-def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(new_server, tmp_path, database_url):
+def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(
+    new_server, tmp_path, database_url
+):
     server = new_server(tmp_path / "data", "/livez", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="0")
     with ThreadPoolExecutor(2) as pool:
         waiting = pool.submit(post, server.url, SLOW.format(60), Prefer="wait=50")
-        id = wait_for(lambda: rows(database_url, "SELECT id::text FROM submission WHERE source LIKE %s", "%sleep(60)%"))[0][0]
+        id = wait_for(
+            lambda: rows(database_url, "SELECT id::text FROM submission WHERE source LIKE %s", "%sleep(60)%")
+        )[0][0]
         following = pool.submit(events, server.url, id)
         time.sleep(0.5)  # so that it does follow: what is asked of a server that has stopped is refused
         server.process.terminate()

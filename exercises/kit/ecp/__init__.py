@@ -11,7 +11,9 @@ from typing import Any
 from ecp import animate, draw, validate
 
 KIT = "1"
-"""The kit's generation. It changes only when a notebook written for an older kit no longer works with the current server."""
+"""The kit's generation. It changes only when a notebook written for an older kit no longer works with the
+current server.
+"""
 
 _HOME = {
     "check": "local",
@@ -27,12 +29,26 @@ _HOME = {
     "use_style": "style",
 }
 
-__all__ = ["Report", "animate", "attempts", "check", "connect", "draw", "footer", "header", "login", "logout", "submissions"]
+__all__ = [
+    "Report",
+    "animate",
+    "attempts",
+    "check",
+    "connect",
+    "draw",
+    "footer",
+    "header",
+    "login",
+    "logout",
+    "submissions",
+]
 __all__ += ["submit", "use_style", "validate"]
 
 
 def __getattr__(name: str) -> Any:
     """Import a name of ``_HOME`` when it is first used: only a notebook needs these modules."""
     if name not in _HOME:
-        raise AttributeError(f"module 'ecp' has no attribute {name!r}: is this the course's kit, installed from its server?")
+        raise AttributeError(
+            f"module 'ecp' has no attribute {name!r}: is this the course's kit, installed from its server?"
+        )
     return getattr(importlib.import_module(f"ecp.{_HOME[name]}"), name)

@@ -8,7 +8,11 @@ shown: list[Any] = []
 """The last animation passed to :func:`show`; a grader reads it, a notebook does not need it."""
 made: list[Any] = []
 """The animations created inside :func:`watched`."""
-RENDERING = {"save": None, "to_jshtml": '<div class="animation"><img src=""></div>', "to_html5_video": "<video></video>"}
+RENDERING = {
+    "save": None,
+    "to_jshtml": '<div class="animation"><img src=""></div>',
+    "to_html5_video": "<video></video>",
+}
 """What rendering returns inside :func:`watched`: the same kind of text, without frames."""
 _watchers: list[None] = []
 
@@ -51,7 +55,9 @@ def watched() -> Iterator[None]:
     def make(anim: Any, *args: Any, **kwargs: Any) -> None:
         with undecorated():  # blitting draws once
             originals["__init__"](anim, *args, **kwargs)
-        anim._draw_was_started = True  # or matplotlib warns when it is deleted, although no window shows it here
+        anim._draw_was_started = (
+            True  # or matplotlib warns when it is deleted, although no window shows it here
+        )
         made.append(anim)
 
     for name, text in RENDERING.items():

@@ -19,11 +19,15 @@ from ecp.return_value import WrongAnswer
 from ecp.visibility import Visibility, differ
 
 FRAME_CAP = 600
-SPREAD = np.array([0.0, 0.23, 0.38, 0.64, 0.77, 1.0])  # of the stills; uneven, because a periodic motion must not look still
+SPREAD = np.array(
+    [0.0, 0.23, 0.38, 0.64, 0.77, 1.0]
+)  # of the stills; uneven, because a periodic motion must not look still
 STILLS, POINTS = len(SPREAD), 256  # pictures recorded, points recorded per frame
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
-LOOKS = {k * (k + 1) // 2 for k in range(FRAME_CAP)}  # frames to render if their number is unknown, or to see what no still shows
+LOOKS = {
+    k * (k + 1) // 2 for k in range(FRAME_CAP)
+}  # frames to render if their number is unknown, or to see what no still shows
 
 
 def unchanged() -> None:
@@ -33,8 +37,9 @@ def unchanged() -> None:
 def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
     """Return what ``watch`` records of the animation that ``draw`` returns, or else shows, saves or renders.
 
-    ``cost`` (6,) ends with 1 if ``draw`` stopped at a file, which the sandbox does not have: the animation that it had made is
-    recorded then. Raises WrongAnswer as ``watch`` does, and if matplotlib cannot draw what the animation consists of.
+    ``cost`` (6,) ends with 1 if ``draw`` stopped at a file, which the sandbox does not have: the animation
+    that it had made is recorded then. Raises WrongAnswer as ``watch`` does, and if matplotlib cannot draw
+    what the animation consists of.
     """
     from matplotlib.animation import Animation
 
@@ -60,7 +65,9 @@ def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
 
 
 def _lacks_a_file(error: Exception) -> bool:
-    """Return whether an animation failed because it wrote, rendered or read a file: its motion may be right."""
+    """Return whether an animation failed because it wrote, rendered or read a file:
+    its motion may be right.
+    """
     if isinstance(error, OSError) or (isinstance(error, AssertionError) and animate.shown):
         return True
     frames = traceback.walk_tb(error.__traceback__)
@@ -71,22 +78,27 @@ def _is_of_matplotlib(error: Exception) -> bool:
     """Return whether matplotlib raised it while it drew, not polhode's code or the student's own."""
     modules = [str(frame.f_globals.get("__name__")) for frame, _ in traceback.walk_tb(error.__traceback__)]
     last = max(k for k, name in enumerate(modules) if name == __name__)
-    return "__main__" not in modules and any(name.startswith("matplotlib.") for name in modules[last + 1 : last + 2])
+    return "__main__" not in modules and any(
+        name.startswith("matplotlib.") for name in modules[last + 1 : last + 2]
+    )
 
 
 def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     """Draw every frame once, in order, because drawing may depend on earlier frames. Return
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, spread over all frames, within WIDTH × HEIGHT pixels
-    - ``tracks`` (f, p, 3): the points of the visible artists in each of f ≤ FRAME_CAP frames, in data coordinates
-    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
-      for points without order) and their number
-    - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see ``artists.labelled``
-    - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and the number of frames
-    - ``cost`` (5,): frames drawn, seconds drawing them, of these clearing axes, 1 if the figure stays open, and the number
-      of images without points
-    - ``visible`` (2,): the share of the pixels that change without any text, and the number of moving artists that no
-      pixel shows, in some of the stills
+    - ``tracks`` (f, p, 3): the points of the visible artists in each of f ≤ FRAME_CAP frames, in data
+      coordinates
+    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point;
+      negative for points without order) and their number
+    - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see
+      ``artists.labelled``
+    - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and the number
+      of frames
+    - ``cost`` (5,): frames drawn, seconds drawing them, of these clearing axes, 1 if the figure stays open,
+      and the number of images without points
+    - ``visible`` (2,): the share of the pixels that change without any text, and the number of moving artists
+      that no pixel shows, in some of the stills
 
     Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past
     ``seconds`` of CPU time.
@@ -95,7 +107,9 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     from matplotlib.animation import Animation
 
     if not isinstance(anim, Animation):
-        raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
+        raise WrongAnswer(
+            "no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}"
+        )
     deadline = process_time() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
     listed = length_hint(getattr(anim, "_tee_from", ()))
@@ -109,9 +123,15 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
         chosen = {round(at) for at in SPREAD * (known - 1)} if known else LOOKS
         for number, frame in enumerate(sequence):
             if max(number + 1, known) > FRAME_CAP:
-                raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
+                raise WrongAnswer(
+                    "too-many-frames",
+                    f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…",
+                )
             if process_time() > deadline:
-                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s of CPU time were allowed")
+                raise WrongAnswer(
+                    "timeout",
+                    f"drawing stopped after {number} frames: {seconds:g} s of CPU time were allowed",
+                )
             began = perf_counter()
             anim._draw_frame(frame)  # type: ignore[attr-defined]
             drawing += perf_counter() - began
@@ -132,7 +152,12 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
     nearest = {min(pictures, key=lambda number: abs(number - at)) for at in SPREAD * (len(values) - 1)}
     stills = _stack([pictures[number] for number in sorted(nearest)])
-    named = {"tracks": tracks, "owners": owners, "labels": labelled(figure), "visible": np.array([visibility.moves, invisible])}
+    named = {
+        "tracks": tracks,
+        "owners": owners,
+        "labels": labelled(figure),
+        "visible": np.array([visibility.moves, invisible]),
+    }
     return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
 
 
@@ -190,7 +215,9 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
     owned = np.array([[0, 0, 0], *owners], dtype=float)
     tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
     ends, moved = np.array(ranks) < 2, np.ptp(tracks, axis=0).max(axis=1)
-    chosen = np.sort(np.lexsort((-moved, ~ends))[:POINTS])  # the ends of every artist first, then moving before fixed points
+    chosen = np.sort(
+        np.lexsort((-moved, ~ends))[:POINTS]
+    )  # the ends of every artist first, then moving before fixed points
     return tracks[:, chosen], owned[chosen]
 
 

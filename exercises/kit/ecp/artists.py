@@ -1,4 +1,6 @@
-"""The points of a figure's artists: lines, arrows, polygons and markers of 2-D and 3-D axes, in data coordinates."""
+"""The points of a figure's artists: lines, arrows, polygons and markers of 2-D and 3-D axes, in data
+coordinates.
+"""
 
 import re
 from collections import Counter
@@ -60,13 +62,17 @@ def drawn(figure: Any) -> list[Drawn]:
             if axes.name == "polar":
                 full[:, 0], full[:, 1] = full[:, 1] * np.cos(full[:, 0]), full[:, 1] * np.sin(full[:, 0])
             found.append(Drawn((number, kind, seen[kind]), 0, dimensions, _few(full), itself))
-        counted = [d._replace(oldest=seen[d.key[1]] + 1 - d.key[2]) if d.key[0] == number else d for d in found]
+        counted = [
+            d._replace(oldest=seen[d.key[1]] + 1 - d.key[2]) if d.key[0] == number else d for d in found
+        ]
         found = counted
     return found
 
 
 def _transformed(artist: Any, axes: Any, points: Array) -> Array:
-    """Return the points (n, 2) after the artist's own transform, such as a patch's rotation, in data coordinates."""
+    """Return the points (n, 2) after the artist's own transform, such as a patch's rotation, in data
+    coordinates.
+    """
     from matplotlib.artist import Artist
 
     own = Artist.get_transform(artist)
@@ -83,7 +89,10 @@ def labelled(figure: Any) -> Array:
     if there are no 2-D axes.
     """
     rows = [
-        [number, *((-2, -2) if axes.name == "polar" else map(_coordinate, (axes.get_xlabel(), axes.get_ylabel())))]
+        [
+            number,
+            *((-2, -2) if axes.name == "polar" else map(_coordinate, (axes.get_xlabel(), axes.get_ylabel()))),
+        ]
         for number, axes in enumerate(figure.axes)
         if axes.name != "3d"
     ]
@@ -105,7 +114,9 @@ def unordered(frames: list[list[Drawn]]) -> dict[tuple[int, str], list[Drawn]]:
     found: dict[tuple[int, str], list[Drawn]] = {}
     for key in dict.fromkeys(d.key[:2] for d in frames[0]):
         alike = [[d for d in frame if d.key[:2] == key] for frame in frames]
-        points = [_distinct(np.concatenate([np.zeros((0, 3)), *(d.points for d in artists)])) for artists in alike]
+        points = [
+            _distinct(np.concatenate([np.zeros((0, 3)), *(d.points for d in artists)])) for artists in alike
+        ]
         counts = [[len(d.points) for d in artists] for artists in alike]
         changes = "Poly" in key[1] or any(count != counts[0] for count in counts)
         most, least = max(map(len, points)), min(map(len, points))
@@ -118,7 +129,9 @@ def unordered(frames: list[list[Drawn]]) -> dict[tuple[int, str], list[Drawn]]:
 def _distinct(points: Array) -> Array:
     finite = points[np.all(np.isfinite(points), axis=1)]
     size = np.abs(finite).max(initial=0.0)
-    return finite[np.unique(np.rint(finite / size * 1e6), axis=0, return_index=True)[1]] if size else finite[:1]
+    return (
+        finite[np.unique(np.rint(finite / size * 1e6), axis=0, return_index=True)[1]] if size else finite[:1]
+    )
 
 
 def painted(figure: Any) -> int:
@@ -127,7 +140,11 @@ def painted(figure: Any) -> int:
     from matplotlib.image import _ImageBase
 
     shown = [a for axes in figure.axes for a in axes.get_children() if isinstance(a, _ImageBase | QuadMesh)]
-    uneven = [axes for axes in figure.axes if axes.name not in ("rectilinear", "3d", "polar") or axes.get_xscale() != "linear"]
+    uneven = [
+        axes
+        for axes in figure.axes
+        if axes.name not in ("rectilinear", "3d", "polar") or axes.get_xscale() != "linear"
+    ]
     return len(shown) + len(figure.images) + len(uneven)
 
 
@@ -136,7 +153,9 @@ def _shows(artist: Any) -> bool:
 
 
 def _few(points: Array) -> Array:
-    """Return at most MOST_POINTS of the points: the first, the last (of one point the same), then evenly between."""
+    """Return at most MOST_POINTS of the points: the first, the last (of one point the same), then evenly
+    between.
+    """
     between = np.arange(1, len(points) - 1)
     if len(between) > MOST_POINTS - 2:
         between = np.linspace(1, len(points) - 2, MOST_POINTS - 2).round().astype(int)
@@ -178,7 +197,11 @@ def _markers(artist: Any) -> Any:
     found = getattr(artist, "_offsets3d", None)
     if found is not None:
         return np.column_stack([np.ma.filled(np.ma.ravel(x).astype(float), np.nan) for x in found])
-    return artist.get_offsets() if hasattr(artist, "get_offsets") and not hasattr(artist, "U") and _has_own(artist) else None
+    return (
+        artist.get_offsets()
+        if hasattr(artist, "get_offsets") and not hasattr(artist, "U") and _has_own(artist)
+        else None
+    )
 
 
 def _has_own(artist: Any) -> bool:
@@ -199,7 +222,11 @@ def _patch(artist: Any) -> Any:
     from matplotlib.patches import FancyArrowPatch, Patch
 
     if isinstance(artist, FancyArrowPatch):
-        return _remembered(artist) if getattr(artist.axes, "name", "") == "3d" else getattr(artist, "_posA_posB", None)
+        return (
+            _remembered(artist)
+            if getattr(artist.axes, "name", "") == "3d"
+            else getattr(artist, "_posA_posB", None)
+        )
     if isinstance(artist, Patch):
         path = artist.get_patch_transform().transform_path(artist.get_path())
         return path.vertices

@@ -24,9 +24,9 @@ class AuthorError(NotebookError):
 def author_error(error: BaseException, own: Callable[[str], bool]) -> str | None:
     """Return file, line and message of an exception that the student's code did not raise itself, else None.
 
-    ``own(filename)`` is true for the student's code. Outside of the libraries, and of the kit if it serves the student, the
-    innermost frame is then one of the assignment; or all frames are of the kit. The cause may still be a value that the student
-    returned.
+    ``own(filename)`` is true for the student's code. Outside of the libraries, and of the kit if it serves
+    the student, the innermost frame is then one of the assignment; or all frames are of the kit. The cause
+    may still be a value that the student returned.
     """
     if isinstance(error, AuthorError):
         return str(error)
@@ -48,25 +48,33 @@ def same_error(one: str, other: str) -> bool:
     return one.split(": ")[:2] == other.split(": ")[:2]
 
 
-def checked_arrays(play: Callable[..., Any], seen: Any, specs: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
+def checked_arrays(
+    play: Callable[..., Any], seen: Any, specs: Mapping[str, Mapping[str, Any]]
+) -> dict[str, NDArray[Any]]:
     """Return the arrays that ``play`` returned, as ``specs`` declares them: shape, dtype and up_to by name.
 
     Raises AuthorError if it returned other names, shapes or types.
     """
     code = getattr(play, "__code__", None)
-    place = f"{Path(code.co_filename).name} line {code.co_firstlineno}: {code.co_name}" if code else repr(play)
+    place = (
+        f"{Path(code.co_filename).name} line {code.co_firstlineno}: {code.co_name}" if code else repr(play)
+    )
     if not isinstance(seen, Mapping):
         raise AuthorError(f"{place} returned {type(seen).__name__}, not a dict of arrays")
     alone = {name for name, spec in specs.items() if spec.get("alone")}
     if set(seen) != set(specs) - alone and not (len(seen) == 1 and set(seen) <= alone):
-        raise AuthorError(f"{place} returned {_listed(seen)}; the scene declares {_listed(set(specs) - alone)}")
+        raise AuthorError(
+            f"{place} returned {_listed(seen)}; the scene declares {_listed(set(specs) - alone)}"
+        )
     arrays = {}
     for name in seen:
         spec = specs[name]
         array, shape = np.asarray(seen[name]), tuple(spec["shape"])
         fits = array.dtype.kind in "fiub" if spec["dtype"] == "float64" else array.dtype == spec["dtype"]
         if not fits:
-            raise AuthorError(f"{place} returned {name} with dtype {array.dtype}; the scene declares {spec['dtype']}")
+            raise AuthorError(
+                f"{place} returned {name} with dtype {array.dtype}; the scene declares {spec['dtype']}"
+            )
         if array.shape != shape and not (spec["up_to"] and _is_shorter(array.shape, shape)):
             raise AuthorError(f"{place} returned {name} with shape {array.shape}; the scene declares {shape}")
         arrays[name] = array.astype(spec["dtype"], copy=False)
@@ -76,12 +84,17 @@ def checked_arrays(play: Callable[..., Any], seen: Any, specs: Mapping[str, Mapp
 def with_truth(seen: Sequence[Mapping[str, Any]], truth: Sequence[Mapping[str, Any]]) -> list[Any]:
     """Return the arrays of scenes with the exact ones in place of those that have the same name."""
     exact = [*truth, *[{}] * len(seen)]
-    return [{name: np.asarray(exact[k].get(name, array)) for name, array in arrays.items()} for k, arrays in enumerate(seen)]
+    return [
+        {name: np.asarray(exact[k].get(name, array)) for name, array in arrays.items()}
+        for k, arrays in enumerate(seen)
+    ]
 
 
 def has_truth(seen: Sequence[Mapping[str, Any]], truth: Sequence[Mapping[str, Any]]) -> bool:
     """Return whether each array of the scenes has an exact one of the same name."""
-    return len(truth) >= len(seen) and all(set(arrays) <= set(exact) for arrays, exact in zip(seen, truth, strict=False))
+    return len(truth) >= len(seen) and all(
+        set(arrays) <= set(exact) for arrays, exact in zip(seen, truth, strict=False)
+    )
 
 
 def _listed(names: Any) -> str:
@@ -89,4 +102,8 @@ def _listed(names: Any) -> str:
 
 
 def _is_shorter(shape: tuple[int, ...], most: tuple[int, ...]) -> bool:
-    return len(shape) == len(most) and shape[-1:] == most[-1:] and all(1 <= n <= m for n, m in zip(shape, most, strict=True))
+    return (
+        len(shape) == len(most)
+        and shape[-1:] == most[-1:]
+        and all(1 <= n <= m for n, m in zip(shape, most, strict=True))
+    )

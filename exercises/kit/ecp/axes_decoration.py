@@ -1,4 +1,6 @@
-"""Panes, grid lines and ticks of 3-D axes: most of the time of a drawing, and the same from frame to frame."""
+"""Panes, grid lines and ticks of 3-D axes: most of the time of a drawing,
+and the same from frame to frame.
+"""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -11,10 +13,11 @@ PARTS = ("draw_pane", "draw_grid", "draw")
 
 @contextmanager
 def decorated_once() -> Iterator[None]:
-    """Inside the ``with`` block, copy the decoration of 3-D axes from their last drawing if it would be the same.
+    """Inside the ``with`` block, copy the decoration of 3-D axes from their last drawing if it would be the
+    same.
 
-    It is the same if the pixels behind it, camera, limits and size are, and nothing was set in an axis since. matplotlib draws it
-    before everything else in the axes.
+    It is the same if the pixels behind it, camera, limits and size are, and nothing was set in an axis since.
+    matplotlib draws it before everything else in the axes.
     """
     from mpl_toolkits.mplot3d.axis3d import Axis
 
@@ -67,7 +70,9 @@ def undecorated() -> Iterator[None]:
 
 @contextmanager
 def _replaced(owner: Any, functions: Mapping[str, Any]) -> Iterator[None]:
-    """Replace methods for the ``with`` block, or none of them if ``owner``, of another version of matplotlib, lacks one."""
+    """Replace methods for the ``with`` block, or none of them if ``owner``, of another version of matplotlib,
+    lacks one.
+    """
     own = {name: getattr(owner, name, None) for name in functions}
     replaced = None not in own.values()
     try:

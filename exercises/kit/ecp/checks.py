@@ -32,8 +32,8 @@ class Check:
 
     If ``allow`` is given, ``allow(*truth)`` is the tolerance of one grading, and ``tolerance`` describes how
     it is computed. A word that returns UNMEASURED does not apply to what it sees, and the outcome is not
-    counted. ``hint(*seen)`` returns remarks that do not affect the verdict. ``points`` is what the check is worth. ``arrays`` names
-    those of its scenes' arrays that it reads, if not all.
+    counted. ``hint(*seen)`` returns remarks that do not affect the verdict. ``points`` is what the check is
+    worth. ``arrays`` names those of its scenes' arrays that it reads, if not all.
     """
 
     id: str
@@ -50,15 +50,22 @@ class Check:
     def judge(self, seen: list[Arrays], truth: list[Arrays]) -> Outcome:
         """Return the outcome for the arrays of the check's scenes.
 
-        A value that is not finite fails before any comparison, unless it is the exact one, such as an argument. Numbers
-        too large or small for arithmetic are unmeasured. Raises AuthorError if the check itself fails: for a cause other
-        than the numbers, or also if the exact arrays stand in place of the returned ones.
+        A value that is not finite fails before any comparison, unless it is the exact one, such as an
+        argument. Numbers too large or small for arithmetic are unmeasured. Raises AuthorError if the check
+        itself fails: for a cause other than the numbers, or also if the exact arrays stand in place of the
+        returned ones.
         """
         for arrays in seen:
             for name, array in arrays.items():
                 is_read = array.dtype.kind == "f" and (self.arrays is None or name in self.arrays)
-                if is_read and not np.all(np.isfinite(array)) and not any(_has(exact, name, array) for exact in truth):
-                    return self._outcome(Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen)
+                if (
+                    is_read
+                    and not np.all(np.isfinite(array))
+                    and not any(_has(exact, name, array) for exact in truth)
+                ):
+                    return self._outcome(
+                        Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen
+                    )
         try:
             judgement = self.word(seen, truth)
         except MemoryError:
@@ -66,7 +73,8 @@ class Check:
         except Exception as error:
             if self._is_at_fault(error, seen, truth):
                 raise AuthorError(f"check {self.id}: {self._place(error)}") from error
-            # Shapes are right and values finite, but arithmetic on them overflows: that is neither right nor wrong.
+            # Shapes are right and values finite, but arithmetic on them overflows: that is neither right nor
+            # wrong.
             return self.unmeasured(f"the returned numbers are too large or too small to compare ({error})")
         if judgement.misshapen and self.word(with_truth(seen, truth), truth).misshapen:
             raise AuthorError(f"check {self.id}: {self._place(ValueError(judgement.detail))}")
@@ -80,7 +88,9 @@ class Check:
             raise AuthorError(f"check {self.id}: {self._place(error)}") from error
 
     def _is_at_fault(self, error: Exception, seen: list[Arrays], truth: list[Arrays]) -> bool:
-        """Return whether an exception follows from the check itself, not from the student's finite numbers of the right shapes."""
+        """Return whether an exception follows from the check itself, not from the student's finite numbers of
+        the right shapes.
+        """
         if not isinstance(error, ArithmeticError | ValueError | IndexError):
             return True
         if not has_truth(seen, truth):
@@ -92,14 +102,26 @@ class Check:
         return False
 
     def _place(self, error: Exception) -> str:
-        """Return file, line and message: of the code that raised the error, else of the function that the check calls."""
-        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename not in (__file__, judge.__file__)]
+        """Return file, line and message: of the code that raised the error, else of the function that the
+        check calls.
+        """
+        frames = [
+            f
+            for f in traceback.extract_tb(error.__traceback__)
+            if f.filename not in (__file__, judge.__file__)
+        ]
         if own := [frame for frame in frames if not LIBRARIES & set(Path(frame.filename).parts)]:
             return located(error, own[-1])
         variables = dict(zip(self.word.__code__.co_freevars, self.word.__closure__ or (), strict=True))
-        functions = [variables[name].cell_contents for name in ("expected", "measured", "series", "claim") if name in variables]
+        functions = [
+            variables[name].cell_contents
+            for name in ("expected", "measured", "series", "claim")
+            if name in variables
+        ]
         code = next((f.__code__ for f in functions if hasattr(f, "__code__")), None)
-        return (f"{Path(code.co_filename).name} line {code.co_firstlineno}: " if code else "") + f"{type(error).__name__}: {error}"
+        return (
+            f"{Path(code.co_filename).name} line {code.co_firstlineno}: " if code else ""
+        ) + f"{type(error).__name__}: {error}"
 
     def failed(self, detail: str) -> Outcome:
         """Return a failed outcome, for answers that cannot be trusted."""
@@ -107,7 +129,9 @@ class Check:
 
     def unmeasured(self, cause: str) -> Outcome:
         """Return an unmeasured outcome, for a scene that returned no data."""
-        return replace(self._outcome(Judgement(Verdict.UNMEASURED, f"not measured: {cause}"), []), cause=cause)
+        return replace(
+            self._outcome(Judgement(Verdict.UNMEASURED, f"not measured: {cause}"), []), cause=cause
+        )
 
     def errors(self) -> list[str]:
         """Return the errors of the declaration as sentences, empty if there are none."""
@@ -198,8 +222,8 @@ def within(
     """Check that ``measured(*seen)`` equals ``expected(*truth)`` to ``limit · scale(*truth)``.
 
     ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
-    A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
-    shape that differs is judged as by ``close``.
+    A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason.
+    A shape that differs is judged as by ``close``.
 
     >>> check = within(
     ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
@@ -215,10 +239,26 @@ def within(
         assert isinstance(allowed, float)
         return judge.within(measured(*seen), expected(*truth), scale(*truth), allowed)
 
-    return Check(id, label, scenes, word, Tolerance(limit=None if callable(limit) else limit, reason=reason), locate, allow)
+    return Check(
+        id,
+        label,
+        scenes,
+        word,
+        Tolerance(limit=None if callable(limit) else limit, reason=reason),
+        locate,
+        allow,
+    )
 
 
-def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
+def conserved(
+    id: str,
+    label: str,
+    *scenes: str,
+    series: Measure,
+    limit: float,
+    reason: str,
+    locate: Locate | None = None,
+) -> Check:
     """Check that ``series(*seen)`` (n,) stays at its first value to the relative ``limit``.
 
     A series that starts at zero must stay zero. Fewer than two values fail.
@@ -236,7 +276,15 @@ def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, 
     return Check(id, label, scenes, word, Tolerance(limit=limit, reason=reason), locate)
 
 
-def below(id: str, label: str, *scenes: str, measured: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
+def below(
+    id: str,
+    label: str,
+    *scenes: str,
+    measured: Measure,
+    limit: float,
+    reason: str,
+    locate: Locate | None = None,
+) -> Check:
     """Check that ``measured(*seen)``, a number or an array of any shape, is at most ``limit`` everywhere, in
     its unit.
 
@@ -283,9 +331,11 @@ def holds(
     return Check(id, label, scenes, word, Tolerance(reason=reason), hint=hint)
 
 
-def shows(id: str, label: str, *scenes: str, claim: Callable[..., tuple[bool | None, str]], reason: str) -> Check:
-    """Check a claim against the truth: ``claim(*seen, *truth)`` returns (true, false or None, the text for the
-    brackets). With two scenes it is called as ``claim(seen_1, seen_2, truth_1, truth_2)``.
+def shows(
+    id: str, label: str, *scenes: str, claim: Callable[..., tuple[bool | None, str]], reason: str
+) -> Check:
+    """Check a claim against the truth: ``claim(*seen, *truth)`` returns (true, false or None, the text for
+    the brackets). With two scenes it is called as ``claim(seen_1, seen_2, truth_1, truth_2)``.
 
     None means that the claim does not apply: the outcome is unmeasured and not counted.
 

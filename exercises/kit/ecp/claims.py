@@ -56,18 +56,25 @@ class Claim:
             if not np.all(np.isfinite(self.arrays[name])):
                 return Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers")
         with np.errstate(all="ignore"):
-            found = kind.judge(*(self.arrays[a] for a in kind.arrays), *(self.numbers[n] for n in kind.numbers))
-        return Judgement(found.verdict, self.detail or found.detail, found.measured, found.expected, found.margin)
+            found = kind.judge(
+                *(self.arrays[a] for a in kind.arrays), *(self.numbers[n] for n in kind.numbers)
+            )
+        return Judgement(
+            found.verdict, self.detail or found.detail, found.measured, found.expected, found.margin
+        )
 
     def outcome(self, cell: str) -> "NotebookCheck":
         """Return the judged claim, made in ``cell``, as a report's NotebookCheck."""
         found = self.judged()
-        return NotebookCheck(cell=cell, kind=self.kind, label=self.label, verdict=found.verdict, detail=found.detail)
+        return NotebookCheck(
+            cell=cell, kind=self.kind, label=self.label, verdict=found.verdict, detail=found.detail
+        )
 
 
 @dataclass(kw_only=True)
 class NotebookCheck:
-    """A line of the notebook's own checks in a report, judged again from the numbers that the student's code passed.
+    """A line of the notebook's own checks in a report, judged again from the numbers that the student's code
+    passed.
 
     It is self-reported: the student's code chooses the numbers. It carries no points and changes no verdict.
     """
@@ -86,12 +93,18 @@ class NotebookCheck:
         return judge.line(self.verdict, self.label, self.detail)
 
 
-def claim(kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str, float], detail: Any = "") -> Claim:
-    """Return a claim for whatever a student passed as ``given``. Never raises for an argument of the wrong kind."""
+def claim(
+    kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str, float], detail: Any = ""
+) -> Claim:
+    """Return a claim for whatever a student passed as ``given``. Never raises for an argument of the wrong
+    kind.
+    """
     arrays, unfit = {}, ""
     for name, value in given.items():
         try:
-            arrays[name] = _truth(value) if kind == "check" else _numbers(name, value, of_complex=kind == "close")
+            arrays[name] = (
+                _truth(value) if kind == "check" else _numbers(name, value, of_complex=kind == "close")
+            )
         except _Unfit as reason:
             unfit = unfit or str(reason)
     return Claim(kind, one_line(label, MOST_LABEL), arrays, numbers, one_line(detail, MOST_DETAIL), unfit)
@@ -110,7 +123,9 @@ class _Unfit(Exception):
 
 
 def _numbers(name: str, value: Any, *, of_complex: bool) -> Array:
-    """Return the values as real numbers, or as complex ones, ``of_complex``, if an imaginary part is not zero."""
+    """Return the values as real numbers, or as complex ones, ``of_complex``, if an imaginary part is not
+    zero.
+    """
     if isinstance(value, str):
         raise _Unfit(f"{name} is a string: pass the arrays first and the label last")
     if value is None:
@@ -124,7 +139,9 @@ def _numbers(name: str, value: Any, *, of_complex: bool) -> Array:
         if array.dtype.kind in "fiu" or (array.dtype.kind == "c" and of_complex):
             return array.astype(complex if array.dtype.kind == "c" else float)
     except Exception as error:
-        raise _Unfit(f"{name} is {type(value).__name__}, not an array of numbers ({one_line(error, 80)})") from None
+        raise _Unfit(
+            f"{name} is {type(value).__name__}, not an array of numbers ({one_line(error, 80)})"
+        ) from None
     raise _Unfit(f"{name} is {array.dtype}, not real numbers")
 
 
@@ -140,9 +157,16 @@ def _truth(value: Any) -> Array:
     """Return a condition as 1 or 0: True or False of Python, numpy or sympy, or an array that holds one of
     them.
     """
-    if type(value).__module__ == "sympy.logic.boolalg" and type(value).__name__ in ("BooleanTrue", "BooleanFalse"):
+    if type(value).__module__ == "sympy.logic.boolalg" and type(value).__name__ in (
+        "BooleanTrue",
+        "BooleanFalse",
+    ):
         value = bool(value)  # sympy's answer to Rational(1, 2) < 1
-    if not isinstance(value, bool | np.bool_ | np.ndarray) or np.asarray(value).dtype != bool or np.size(value) != 1:
+    if (
+        not isinstance(value, bool | np.bool_ | np.ndarray)
+        or np.asarray(value).dtype != bool
+        or np.size(value) != 1
+    ):
         what = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
         reduce = " (use np.all)" if isinstance(value, np.ndarray) and value.size > 1 else ""
         raise _Unfit(f"condition is {what}: pass a single True or False{reduce}")

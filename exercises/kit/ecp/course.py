@@ -1,4 +1,6 @@
-"""The server and assignment of a notebook, and the assignments whose kits are installed, each in its folder below assignments/."""
+"""The server and assignment of a notebook, and the assignments whose kits are installed, each in its folder
+below assignments/.
+"""
 
 import importlib
 import json
@@ -20,7 +22,8 @@ from ecp.kinds import diagnose, exercise
 from ecp.outcome import Diagnosis
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
-"""Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes."""
+"""Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes.
+"""
 FOLDER = Path(__file__).parent / "assignments"
 
 
@@ -42,8 +45,8 @@ class PublicScene:
     ``needs``. ``truth`` holds the exact arrays.
 
     The arrays named in ``known`` are added to those the function returned. The scene runs only if the scene
-    it comes ``after`` has finished. The server gives it ``budget_s`` seconds. ``question`` is its question, if it
-    has one (ecp.kinds). ``returns`` are shape, dtype and up_to of the arrays that its play returns.
+    it comes ``after`` has finished. The server gives it ``budget_s`` seconds. ``question`` is its question,
+    if it has one (ecp.kinds). ``returns`` are shape, dtype and up_to of the arrays that its play returns.
     """
 
     name: str
@@ -61,7 +64,9 @@ class PublicScene:
 
 @dataclass(frozen=True)
 class PublicAssignment:
-    """The public side of an assignment, as of the kit's build. ``hidden`` counts each exercise's hidden checks."""
+    """The public side of an assignment, as of the kit's build. ``hidden`` counts each exercise's hidden
+    checks.
+    """
 
     slug: str
     version: str
@@ -74,10 +79,14 @@ class PublicAssignment:
     def names(self, scene: str) -> set[str]:
         """Return the notebook's names that a scene, and those it comes after, cannot be played without."""
         found = self.scenes[scene]
-        return {found.function, *found.needs} | (self.names(found.after) if found.after is not None else set())
+        return {found.function, *found.needs} | (
+            self.names(found.after) if found.after is not None else set()
+        )
 
     def diagnose(self, scene: str, seen: Arrays) -> list[Diagnosis]:
-        """Return the likely causes behind what a scene returned: by its question's kind, else by the author's own function."""
+        """Return the likely causes behind what a scene returned: by its question's kind, else by the author's
+        own function.
+        """
         found = self.scenes[scene]
         if found.question is not None:
             return diagnose(found.question, seen, found.truth) or []
@@ -94,8 +103,8 @@ _connected: list[Course] = [Course()]
 def connect(server: str | None = None, assignment: str | None = None) -> None:
     """Set the server and assignment that ``check``, ``submit``, ``login`` and ``submissions`` use by default.
 
-    Copies the assignment's data files to the current folder and leaves those that are there already; its own modules
-    can be imported from ``ecp``. Raises UnknownCourse if ``server`` is not an http or https address.
+    Copies the assignment's data files to the current folder and leaves those that are there already; its own
+    modules can be imported from ``ecp``. Raises UnknownCourse if ``server`` is not an http or https address.
     """
     _connected[0] = Course(_address(server) if server else None, assignment)
     for slug in [assignment] if assignment else slugs():
@@ -121,35 +130,45 @@ def server(given: str | None = None, assignment: str | None = None) -> str:
 
 
 def assignment(given: str | None = None) -> str:
-    """Return the assignment's slug: given, connected, or that of the only installed kit. Raises UnknownCourse otherwise."""
+    """Return the assignment's slug: given, connected, or that of the only installed kit. Raises UnknownCourse
+    otherwise.
+    """
     if found := given or _connected[0].assignment:
         return found
     if len(known := slugs()) == 1:
         return known[0]
     several = f" (kits of {', '.join(known)} are installed)" if known else ""
-    raise UnknownCourse(f'No assignment is set{several}: call ecp.connect("https://…", assignment="…") first.')
+    raise UnknownCourse(
+        f'No assignment is set{several}: call ecp.connect("https://…", assignment="…") first.'
+    )
 
 
 def public(slug: str) -> PublicAssignment:
-    """Return the public side of an assignment. Raises UnknownCourse if its kit is not installed, or does not fit
-    the installed ``ecp``, which every kit contains and the one installed last replaces.
+    """Return the public side of an assignment. Raises UnknownCourse if its kit is not installed, or does not
+    fit the installed ``ecp``, which every kit contains and the one installed last replaces.
     """
     install = f"run %pip install --force-reinstall --no-deps {_kit_address(slug)} and restart the kernel"
     if slug not in slugs():
         if not slugs():
             raise UnknownCourse(f"no kit is installed: install the kit of {slug} from your course's server")
-        raise UnknownCourse(f"the kit of {slug} is not installed, only that of {', '.join(slugs())}: {install}")
+        raise UnknownCourse(
+            f"the kit of {slug} is not installed, only that of {', '.join(slugs())}: {install}"
+        )
     if not _has_checks(slug):
         raise UnknownCourse(f"the kit of {slug} has no local checks: submit your work to have it checked")
     try:
         return _load(slug)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
-        raise UnknownCourse(f"the kit of {slug} does not fit the installed version of ecp ({reason}): {install}") from error
+        raise UnknownCourse(
+            f"the kit of {slug} does not fit the installed version of ecp ({reason}): {install}"
+        ) from error
 
 
 def functions(slug: str) -> set[str]:
-    """Return the names of the functions that an assignment asks for; empty without its kit or its local checks."""
+    """Return the names of the functions that an assignment asks for; empty without its kit or its local
+    checks.
+    """
     return {f for e in public(slug).exercises for f in e.function_names()} if _has_checks(slug) else set()
 
 
@@ -198,11 +217,16 @@ def _load(slug: str) -> PublicAssignment:
         arrays = {key: archive[key] for key in archive.files}
     scenes = {}
     for scene in declared["scenes"]:
-        truth = {key.split("/")[1]: array for key, array in arrays.items() if key.startswith(f"{scene['name']}/")}
+        truth = {
+            key.split("/")[1]: array for key, array in arrays.items() if key.startswith(f"{scene['name']}/")
+        }
         scenes[scene["name"]] = PublicScene(**scene | {"truth": truth})
     plays: dict[str, Any] = {"__name__": "plays"}
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
-    found = {e["number"]: exercise(e["number"], e["title"], e["questions"], False) for e in declared.get("exercises", ())}
+    found = {
+        e["number"]: exercise(e["number"], e["title"], e["questions"], False)
+        for e in declared.get("exercises", ())
+    }
     own = None
     if (FOLDER / name / "__init__.py").is_file():  # exercises of the author's own
         module = importlib.import_module(f"ecp.assignments.{name}")

@@ -1,4 +1,6 @@
-"""The data files of an assignment, and its own modules among them, which its notebook imports from ``ecp``."""
+"""The data files of an assignment, and its own modules among them,
+which its notebook imports from ``ecp``.
+"""
 
 import importlib
 import sys
@@ -10,7 +12,9 @@ MODULES = "ecp"  # the folder of an assignment's data files with its own modules
 
 
 def use_modules(folder: Path) -> None:
-    """Let ``ecp`` have the modules in ``folder``, if it exists. They replace modules of the kit with the same names."""
+    """Let ``ecp`` have the modules in ``folder``, if it exists. They replace modules of the kit with the same
+    names.
+    """
     if not folder.is_dir() or str(folder) in ecp.__path__:
         return
     ecp.__path__.insert(0, str(folder))
@@ -33,6 +37,9 @@ def copy_data(home: Path) -> None:
                 name.parent.mkdir(parents=True, exist_ok=True)
                 name.write_bytes(source.read_bytes())
             elif name.read_bytes() != source.read_bytes():
-                print(f"{name} in {Path.cwd()} differs from the course's file: rename yours and run this cell again.")
+                print(
+                    f"{name} in {Path.cwd()} differs from the course's file: rename yours and run this cell"
+                    " again."
+                )
         except OSError as error:
             print(f"{name} was not written to {Path.cwd()} ({error.strerror}): copy it there from {source}.")

@@ -17,7 +17,9 @@ class NotADocument(ValueError):
 
 
 class Member(NamedTuple):
-    """A field of a dataclass in a document: the ``names`` it is written under, its type, and whether it must be there."""
+    """A field of a dataclass in a document: the ``names`` it is written under, its type, and whether it must
+    be there.
+    """
 
     field: str
     names: tuple[str, ...]
@@ -79,7 +81,8 @@ def _written(value: Any, kind: Any) -> dict[str, Any]:
 def read(kind: type[T], written: Any) -> T:
     """Return the dataclass ``kind`` that ``document`` wrote, ignoring unknown members.
 
-    A renamed field is also found under its former name. Raises NotADocument if a member is missing or of another type.
+    A renamed field is also found under its former name. Raises NotADocument if a member is missing or of
+    another type.
     """
     try:
         found = _reader(kind)(written)  # type: ignore[arg-type]
@@ -107,7 +110,9 @@ def _reader(kind: Any) -> Reader:
         return lambda written: [_part(each, item, "[{}]", k) for k, item in enumerate(_of(list, written))]
     if origin is dict:
         value = _reader(get_args(kind)[1])
-        return lambda written: {key: _part(value, item, ".{}", key) for key, item in _of(dict, written).items()}
+        return lambda written: {
+            key: _part(value, item, ".{}", key) for key, item in _of(dict, written).items()
+        }
     if is_dataclass(kind):
         members = [(member, _reader(member.kind)) for member in _members(kind)]  # type: ignore[arg-type]
         return lambda written: _object(kind, members, _of(dict, written))

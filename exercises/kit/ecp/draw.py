@@ -28,13 +28,15 @@ def arrow(ax: Any, tip: ArrayLike, **style: Any) -> Any:
 
 def legend_above(ax: Any, columns: int = 4) -> None:
     """Put the legend of ``ax`` above it, where it covers no data; a title goes above both."""
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False, fontsize=8, borderaxespad=0.2,
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False, fontsize=8,
+        borderaxespad=0.2,
               handlelength=1.4, columnspacing=1.2)  # fmt: skip
     ax.set_title(ax.get_title(), fontsize=9, pad=22)
 
 
 def box_polys(R: ArrayLike, half: ArrayLike) -> list[NDArray[np.float64]]:
-    """Return the six faces of a box with half edges ``half`` (3,) in attitude ``R`` (3, 3), corners (4, 3) in space.
+    """Return the six faces of a box with half edges ``half`` (3,) in attitude ``R`` (3, 3), corners (4, 3) in
+    space.
 
     The order is the course notebook's: −ê₃, +ê₃, −ê₂, +ê₂, +ê₁, −ê₁.
     """

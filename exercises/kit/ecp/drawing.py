@@ -16,7 +16,9 @@ COLUMNS = 3
 
 
 def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "png") -> bytes:
-    """Return the figure as ``form`` ("png" or "svg"). ``seen`` and ``truth`` hold one mapping of arrays per scene."""
+    """Return the figure as ``form`` ("png" or "svg"). ``seen`` and ``truth`` hold one mapping of arrays per
+    scene.
+    """
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Canvas
@@ -32,7 +34,9 @@ def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "p
             raise
     stream = io.BytesIO()
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
-        metadata = {"Title": figure.title, "Description": figure.alt} | ({"Date": None} if form == "svg" else {})
+        metadata = {"Title": figure.title, "Description": figure.alt} | (
+            {"Date": None} if form == "svg" else {}
+        )
         canvas.savefig(stream, format=form, metadata=metadata)
     return stream.getvalue()
 
@@ -60,5 +64,7 @@ def contact_sheet(frames: NDArray[np.uint8]) -> bytes:
         top, left = (number // COLUMNS) * (high + 4), (number % COLUMNS) * (wide + 4)
         sheet[top : top + high, left : left + wide] = still
     stream = io.BytesIO()
-    Image.fromarray(sheet).save(stream, format="PNG", compress_level=3)  # half the time of the default 6, and 3 % more bytes
+    Image.fromarray(sheet).save(
+        stream, format="PNG", compress_level=3
+    )  # half the time of the default 6, and 3 % more bytes
     return stream.getvalue()

@@ -15,17 +15,29 @@ SENTENCES = {
     "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
     "none-left": "You have no submissions left{detail}: nothing was submitted.",
     "too-many-open": "Nothing was submitted{detail}.",
-    "too-large": "The submission is too large for the server at {place}{detail}: submit less, such as ecp.submit(euler_eqs).",
+    "too-large": (
+        "The submission is too large for the server at {place}{detail}: submit less, such as"
+        " ecp.submit(euler_eqs)."
+    ),
     "busy": "The server at {place} is busy{detail}: try again in a few minutes.",
-    "fault": "The server at {place} failed; this is not your mistake{number}: try again, then ask your course staff.",
-    "not-polhode": "There is no polhode server at {place}, something else answered ({status}{page}): check the address.",
+    "fault": (
+        "The server at {place} failed; this is not your mistake{number}: try again, then ask your course"
+        " staff."
+    ),
+    "not-polhode": (
+        "There is no polhode server at {place}, something else answered ({status}{page}): check the address."
+    ),
     "": "The server at {place} refused the request ({status}).",
 }
-WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(PASSING, "busy")
+WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(
+    PASSING, "busy"
+)
 
 
 class NotebookError(Exception):
-    """An error whose message says what happened and what to do. IPython shows the message without a traceback."""
+    """An error whose message says what happened and what to do. IPython shows the message without a
+    traceback.
+    """
 
     def _render_traceback_(self) -> list[str]:
         return [str(self)]
@@ -83,7 +95,9 @@ def checked(url: str) -> str:
     if usable and "@" not in parts.netloc and url.isascii() and url.isprintable() and " " not in url:
         return parts._replace(fragment="").geturl()
     shown = url.rpartition("@")[2].partition("?")[0][:80]
-    sentence = f"{shown!r} is not a server address: use one like https://polhode.example.org, without a password."
+    sentence = (
+        f"{shown!r} is not a server address: use one like https://polhode.example.org, without a password."
+    )
     raise Unreachable(sentence, passing=False)
 
 
@@ -102,13 +116,17 @@ def same_origin(one: str, other: str) -> bool:
 
 def moved(status: int, url: str, target: str) -> HTTPError:
     """Return the error for a redirect to another server."""
-    sentence = f"The server at {place(url)} redirects to {place(target)}: use that address if it is your course's."
+    sentence = (
+        f"The server at {place(url)} redirects to {place(target)}: use that address if it is your course's."
+    )
     return HTTPError(status, "moved", sentence)
 
 
 def too_long(url: str) -> HTTPError:
     """Return the error for an answer longer than MOST_BYTES."""
-    return HTTPError(200, "not-polhode", f"The answer of {place(url)} is too long for a polhode server: check the address.")
+    return HTTPError(
+        200, "not-polhode", f"The answer of {place(url)} is too long for a polhode server: check the address."
+    )
 
 
 def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> HTTPError:
@@ -116,11 +134,15 @@ def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> HTTPError:
     their token.
     """
     problem = _problem(answer)
-    kind = str(problem.get("type", "")).rpartition(":")[2] if problem else WITHOUT_PROBLEM.get(answer.status, "")
+    kind = (
+        str(problem.get("type", "")).rpartition(":")[2] if problem else WITHOUT_PROBLEM.get(answer.status, "")
+    )
     detail = _clean(str(problem.get("detail", "")), headers)
     passing = answer.status in PASSING
     refused = HTTPError(answer.status, kind, _sentence(answer, url, kind, detail), passing=passing)
-    refused.wait_s = retry_after(answer.headers.get("retry-after", ""), datetime.now(UTC)) if passing else None
+    refused.wait_s = (
+        retry_after(answer.headers.get("retry-after", ""), datetime.now(UTC)) if passing else None
+    )
     return refused
 
 
@@ -150,7 +172,9 @@ def _sentence(answer: Answer, url: str, kind: str, detail: str) -> str:
     key = "nobody" if answer.status == 401 else kind
     if detail and key not in SENTENCES:
         return detail[0].upper() + detail[1:].rstrip(".") + "."
-    request = "".join(c for c in answer.headers.get("x-request-id", "")[:80] if c.isascii() and (c.isalnum() or c in "-_"))
+    request = "".join(
+        c for c in answer.headers.get("x-request-id", "")[:80] if c.isascii() and (c.isalnum() or c in "-_")
+    )
     return SENTENCES.get(key, SENTENCES[""]).format(
         place=place(url),
         status=answer.status,

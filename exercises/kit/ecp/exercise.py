@@ -80,15 +80,19 @@ class Exercise:
         return {*self.functions, *self.optional}
 
     def applicable_checks(self, written: Collection[str], names_of: NamesOf) -> list[Check]:
-        """Return its checks without those that need a name that is neither ``written`` nor one of its functions
-        or prerequisites.
+        """Return its checks without those that need a name that is neither ``written`` nor one of its
+        functions or prerequisites.
         """
         present = {*self.functions, *self.prerequisites} - set(self.optional) | set(written)
         return [check for check in self.checks if all(names_of(scene) <= present for scene in check.scenes)]
 
     def scenes(self) -> set[str]:
         """Return the names of the scenes that its checks, figures, animations and motions read."""
-        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in self.animations] + [m.scene for m in self.motions]
+        shown = (
+            [s for f in self.figures for s in f.scenes]
+            + [a.scene for a in self.animations]
+            + [m.scene for m in self.motions]
+        )
         return {s for c in self.checks for s in c.scenes} | set(shown)
 
 
@@ -97,8 +101,16 @@ def attempted(exercises: Sequence[Exercise], written: Collection[str]) -> list[E
     return [e for e in exercises if e.function_names() & set(written)] or list(exercises)
 
 
-def points(chosen: Sequence[Exercise], exercises: Sequence[Exercise], written: Collection[str], names_of: NamesOf) -> int:
-    """Return the points of the ``chosen`` of all ``exercises``, without those of optional functions that are not ``written``."""
+def points(
+    chosen: Sequence[Exercise], exercises: Sequence[Exercise], written: Collection[str], names_of: NamesOf
+) -> int:
+    """Return the points of the ``chosen`` of all ``exercises``, without those of optional functions that are
+    not ``written``.
+    """
     asked = {f for e in exercises for f in e.functions}
     present = [(asked - set(e.optional)) | set(written) for e in chosen]
-    return sum(c.points for e, names in zip(chosen, present, strict=True) for c in e.applicable_checks(names, names_of))
+    return sum(
+        c.points
+        for e, names in zip(chosen, present, strict=True)
+        for c in e.applicable_checks(names, names_of)
+    )

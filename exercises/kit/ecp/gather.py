@@ -89,11 +89,14 @@ def whole_notebook(cells: Sequence[str] | None = None) -> Bundle:
         warnings.simplefilter("ignore")
         sources = whole(_live_cells() if cells is None else cells)
     code: list[dict[str, Any]] = [
-        {"cell_type": "code", "source": source, "metadata": {}, "outputs": [], "execution_count": None} for source in sources
+        {"cell_type": "code", "source": source, "metadata": {}, "outputs": [], "execution_count": None}
+        for source in sources
     ]
     notebook = {"cells": code, "metadata": {}, "nbformat": 4, "nbformat_minor": 4}
     names = _live_namespace() if cells is None else {}
-    written = tuple(name for name, value in names.items() if not name.startswith("_") and is_written(value, variable=True))
+    written = tuple(
+        name for name, value in names.items() if not name.startswith("_") and is_written(value, variable=True)
+    )
     return Bundle(json.dumps(notebook, ensure_ascii=False), written, filename="notebook.ipynb")
 
 
@@ -110,7 +113,11 @@ def _name_of(function: Any, values: dict[str, Any]) -> str:
     if values.get(own) is not function and others:
         return others[0]
     if not own.isidentifier():
-        what = "a function without a name" if inspect.isfunction(function) else f"a value of the type {type(function).__name__}"
+        what = (
+            "a function without a name"
+            if inspect.isfunction(function)
+            else f"a value of the type {type(function).__name__}"
+        )
         remedy = "define a function in a cell with `def`, under the name the exercise gives, and submit that"
         raise CannotSend(f"cannot submit {what}: {remedy}")
     values[own] = function

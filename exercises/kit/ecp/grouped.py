@@ -22,11 +22,16 @@ class Cause:
     @property
     def likely(self) -> str:
         """Return "likely " for a diagnosis inferred from numbers, "" for one that is how the code ended."""
-        return "likely " if any(self.diagnosis.sentence not in (o.cause or "") for o in self.outcomes()) else ""
+        return (
+            "likely " if any(self.diagnosis.sentence not in (o.cause or "") for o in self.outcomes()) else ""
+        )
 
     def where(self) -> list[str]:
         """Return one line per exercise with the labels of its checks."""
-        return [f"exercise {number}: {'; '.join(o.label for o in outcomes)}" for number, outcomes in self.explains.items()]
+        return [
+            f"exercise {number}: {'; '.join(o.label for o in outcomes)}"
+            for number, outcomes in self.explains.items()
+        ]
 
 
 def causes(exercises: Iterable[ExerciseReport]) -> list[Cause]:
@@ -34,15 +39,21 @@ def causes(exercises: Iterable[ExerciseReport]) -> list[Cause]:
     found: dict[str, tuple[Diagnosis, dict[str, list[Outcome]]]] = {}
     for exercise in exercises:
         for outcome in exercise.outcomes:
-            for diagnosis in outcome.diagnosis if outcome.counted and outcome.verdict is not Verdict.PASS else []:
+            for diagnosis in (
+                outcome.diagnosis if outcome.counted and outcome.verdict is not Verdict.PASS else []
+            ):
                 _, explains = found.setdefault(diagnosis.sentence, (diagnosis, {}))
                 explains.setdefault(exercise.number, []).append(outcome)
     ranked = sorted(found.values(), key=lambda one: -sum(map(len, one[1].values())))
-    return [Cause(number, diagnosis, explains) for number, (diagnosis, explains) in enumerate(ranked, start=1)]
+    return [
+        Cause(number, diagnosis, explains) for number, (diagnosis, explains) in enumerate(ranked, start=1)
+    ]
 
 
 def header(found: list[Cause]) -> str:
-    """Return a line that counts the causes and what they explain, "" if they explain fewer than two checks."""
+    """Return a line that counts the causes and what they explain,
+    "" if they explain fewer than two checks.
+    """
     explained = {outcome.id: outcome for cause in found for outcome in cause.outcomes()}
     if len(explained) < 2:
         return ""

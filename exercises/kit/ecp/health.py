@@ -12,7 +12,9 @@ PATIENCE_S = 5.0
 
 
 def health(server: str, slug: str | None) -> str:
-    """Return the state of the server and of one's work on the assignment ``slug``, if there is one, as a line of text."""
+    """Return the state of the server and of one's work on the assignment ``slug``, if there is one, as a line
+    of text.
+    """
     try:
         call("GET", f"{server}/readyz", patience=PATIENCE_S)
         said = [f"{server} is ready."]
@@ -27,11 +29,15 @@ def health(server: str, slug: str | None) -> str:
 
 
 def rules(own: dict[str, Any]) -> str:
-    """Return a student's own deadline, in the notebook's time zone, and the submissions used, from the server's list of these."""
+    """Return a student's own deadline, in the notebook's time zone, and the submissions used, from the
+    server's list of these.
+    """
     if "used" not in own:  # an older server
         return ""
     limit = f" of {own['submission_limit']}" if own["submission_limit"] else ""
-    until = f"{local_time(own['due_at'])}{' with your extension' * own['extended']}" if own["due_at"] else "none"
+    until = (
+        f"{local_time(own['due_at'])}{' with your extension' * own['extended']}" if own["due_at"] else "none"
+    )
     return f"Deadline: {until}{' (over)' * own['over']}. Submissions used: {own['used']}{limit}."
 
 
@@ -51,4 +57,7 @@ def outdated(server: str, slug: str) -> str:
     if current.get("kit_build") == own:
         return ""
     address = f"{server}{current.get('kit')}"
-    return f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {address}, then restart the kernel."
+    return (
+        f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {address}, then"
+        " restart the kernel."
+    )

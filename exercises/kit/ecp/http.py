@@ -54,12 +54,16 @@ def prepare(method: str, url: str, body: bytes | None, headers: Mapping[str, str
     for name, value in own.items():
         if not (value.isascii() and value.isprintable()):
             what = "Your token" if name == "authorization" else f"The header {name}"
-            raise Unreachable(f"{what} has a character that cannot be sent: copy it again, as one line.", passing=False)
+            raise Unreachable(
+                f"{what} has a character that cannot be sent: copy it again, as one line.", passing=False
+            )
     return Request(method, checked(url), body, {"user-agent": AGENT, "accept": "application/json"} | own)
 
 
 def send(request: Request, timeout: float) -> Answer:
-    """Return the answer of a polhode server. Raises Unreachable if there is none, HTTPError if it is an error."""
+    """Return the answer of a polhode server. Raises Unreachable if there is none, HTTPError if it is an
+    error.
+    """
     answer = _follow_redirects(request, timeout)
     if answer.status >= 400:
         raise refusal(answer, request.url, request.headers)
@@ -69,7 +73,9 @@ def send(request: Request, timeout: float) -> Answer:
 
 
 def _follow_redirects(request: Request, timeout: float) -> Answer:
-    """Return the answer after redirects within one origin. The request is repeated there; after a 303 as a GET."""
+    """Return the answer after redirects within one origin. The request is repeated there; after a 303 as a
+    GET.
+    """
     backend = _backend()
     for _ in range(MOST_REDIRECTS):
         answer: Answer = backend.request(*request, timeout)
@@ -81,7 +87,9 @@ def _follow_redirects(request: Request, timeout: float) -> Answer:
         request = request._replace(url=target)
         if answer.status == 303:
             request = request._replace(method="GET", body=None)
-    raise HTTPError(answer.status, "moved", f"Too many redirects from {place(request.url)}: ask your course staff.")
+    raise HTTPError(
+        answer.status, "moved", f"Too many redirects from {place(request.url)}: ask your course staff."
+    )
 
 
 def _backend() -> Any:
@@ -108,7 +116,12 @@ def call(
 
 
 def events(
-    url: str, *, headers: Mapping[str, str] | None = None, patience: float = 60.0, silence: float = 20.0, pause: float = 1.0
+    url: str,
+    *,
+    headers: Mapping[str, str] | None = None,
+    patience: float = 60.0,
+    silence: float = 20.0,
+    pause: float = 1.0,
 ) -> Iterator[Event]:
     """Yield a submission's events from its ``…/events`` until ``graded`` or ``faulted``, across lost
     connections.
@@ -120,7 +133,9 @@ def events(
     request = prepare("GET", url, None, headers)
     last, known, wait = "", "", pause
     while known not in FINAL:
-        headers = request.headers | {"accept": "text/event-stream"} | ({"last-event-id": last} if last else {})
+        headers = (
+            request.headers | {"accept": "text/event-stream"} | ({"last-event-id": last} if last else {})
+        )
         with closing(parse_events(_backend().stream(request.url, headers, silence))) as received:
             for event in received:
                 yield event
@@ -147,7 +162,9 @@ def _status(following: Request, patience: float, *, reached: bool) -> str:
 
 
 def _retry(request: Request, timeout: float, patience: float, *, reached: bool) -> Answer:
-    """Send until it succeeds or ``patience`` is over. If the server was ``reached`` before, every network error may pass."""
+    """Send until it succeeds or ``patience`` is over. If the server was ``reached`` before, every network
+    error may pass.
+    """
     until, pause = time.monotonic() + patience, FIRST_PAUSE_S
     while True:
         try:

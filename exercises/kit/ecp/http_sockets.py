@@ -25,15 +25,24 @@ def request(method: str, url: str, body: bytes | None, headers: Mapping[str, str
     """
     try:
         with _open(Request(url, body, dict(headers), method=method), timeout) as response:  # noqa: S310
-            return Answer(response.status, _lower(response), _whole(response, url, time.monotonic() + timeout))
+            return Answer(
+                response.status, _lower(response), _whole(response, url, time.monotonic() + timeout)
+            )
     except (OSError, HTTPException) as error:
         raise unreachable(error, url, timeout) from None
 
 
 def stream(url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes]:
-    """Yield the chunks of an event stream as they arrive, until it ends, fails, or is silent for ``silence`` seconds."""
-    with suppress(OSError, HTTPException), _open(Request(url, None, dict(headers)), silence) as response:  # noqa: S310
-        if response.status == 200 and _lower(response).get("content-type", "").startswith("text/event-stream"):
+    """Yield the chunks of an event stream as they arrive, until it ends, fails, or is silent for ``silence``
+    seconds.
+    """
+    with (
+        suppress(OSError, HTTPException),
+        _open(Request(url, None, dict(headers)), silence) as response,
+    ):  # noqa: S310
+        if response.status == 200 and _lower(response).get("content-type", "").startswith(
+            "text/event-stream"
+        ):
             while chunk := response.read1(CHUNK):
                 yield chunk
 
@@ -48,7 +57,9 @@ class _AsItIs(HTTPErrorProcessor):
 
 
 class _Connection(HTTPConnection):
-    """A connection that reads the answer of a server that closes it before reading the whole body, for example with 413."""
+    """A connection that reads the answer of a server that closes it before reading the whole body, for
+    example with 413.
+    """
 
     def send(self, data: Any) -> None:
         try:
@@ -70,7 +81,9 @@ def unreachable(error: Exception, url: str, timeout: float) -> Unreachable:
     """
     cause = error.reason if isinstance(error, URLError) and isinstance(error.reason, Exception) else error
     sentence = _why(cause, place(url), urlsplit(url).hostname or "", timeout)
-    lasting = isinstance(cause, ssl.SSLCertVerificationError) or (isinstance(cause, gaierror) and cause.errno == EAI_NONAME)
+    lasting = isinstance(cause, ssl.SSLCertVerificationError) or (
+        isinstance(cause, gaierror) and cause.errno == EAI_NONAME
+    )
     return Unreachable(sentence, passing=not lasting)
 
 
@@ -78,17 +91,23 @@ def _why(cause: Exception, at: str, host: str, timeout: float) -> str:
     match cause:
         case ssl.SSLCertVerificationError():
             sentence = (
-                f"The certificate of {at} is not trusted ({cause.verify_message}): check the address and this computer's clock, "
-                "then ask your course staff (on a Mac, run “Install Certificates.command” first)."
+                f"The certificate of {at} is not trusted ({cause.verify_message}): check the address and this"
+                " computer's clock, then ask your course staff (on a Mac, run “Install Certificates.command”"
+                " first)."
             )
         case ssl.SSLError():
-            sentence = f"No secure connection to {at}: check whether its address begins with https:// or http://."
+            sentence = (
+                f"No secure connection to {at}: check whether its address begins with https:// or http://."
+            )
         case gaierror():
             sentence = f"The name {host} was not found: check the address and your network."
         case TimeoutError():
             sentence = f"{at} did not answer within {timeout:g} s: check your network and try again."
         case ConnectionRefusedError():
-            sentence = f"Nothing answers at {at} (connection refused): check the address, or try again when the server is up."
+            sentence = (
+                f"Nothing answers at {at} (connection refused): check the address, or try again when the"
+                " server is up."
+            )
         case OSError() if cause.errno in NO_NETWORK:
             sentence = f"There is no network to {at}: check your connection and try again."
         case OSError() if "Tunnel" in str(cause):

@@ -27,9 +27,9 @@ def login(server: str | None = None) -> None:
     """Log this computer in to the course server: open the address shown, compare the code, confirm. Once per
     term is enough.
 
-    The token is stored in a file that only you can read, never in the notebook. Prints whether the server can grade, your deadline,
-    the submissions used, and whether the kit is current; or that the server does not answer. Raises NotLoggedIn if the code is not
-    confirmed in time or the token cannot be stored.
+    The token is stored in a file that only you can read, never in the notebook. Prints whether the server can
+    grade, your deadline, the submissions used, and whether the kit is current; or that the server does not
+    answer. Raises NotLoggedIn if the code is not confirmed in time or the token cannot be stored.
     """
     where = course.server(server)
     try:
@@ -40,7 +40,11 @@ def login(server: str | None = None) -> None:
     if who is None:
         _log_in(where)
     else:
-        print("This server has a single local student; no login is needed." if who["local"] else f"Logged in as {who['person']}.")
+        print(
+            "This server has a single local student; no login is needed."
+            if who["local"]
+            else f"Logged in as {who['person']}."
+        )
     from ecp.health import health  # which needs this module
 
     try:
@@ -59,7 +63,9 @@ def _log_in(where: str) -> None:
     while time.monotonic() < until:
         line.show(f"Open {request['verification_uri_complete']} and confirm the code {request['user_code']}")
         time.sleep(request["interval"])
-        answer = call("POST", f"{where}/v1/logins/token", body=_body(device_code=request["device_code"]), headers=JSON)
+        answer = call(
+            "POST", f"{where}/v1/logins/token", body=_body(device_code=request["device_code"]), headers=JSON
+        )
         if answer.status == 200:
             _store(where, answer.json()["token"])
             line.end(f"Logged in as {answer.json()['person']}.")
@@ -75,7 +81,9 @@ def logout(server: str | None = None) -> None:
         return
     _store(where, None)
     try:
-        call("DELETE", f"{where}/v1/me/token", headers={"Authorization": f"Bearer {token}"}, patience=CONTACT_S)
+        call(
+            "DELETE", f"{where}/v1/me/token", headers={"Authorization": f"Bearer {token}"}, patience=CONTACT_S
+        )
     except HTTPError as refused:
         if refused.status != 401:  # 401: the token was already invalid
             raise
@@ -100,7 +108,9 @@ def authorization(server: str) -> Mapping[str, str]:
 
 def _whoami(server: str) -> dict[str, Any] | None:
     try:
-        person: dict[str, Any] = call("GET", f"{server}/v1/me", headers=authorization(server), patience=CONTACT_S).json()
+        person: dict[str, Any] = call(
+            "GET", f"{server}/v1/me", headers=authorization(server), patience=CONTACT_S
+        ).json()
     except HTTPError as refused:
         if refused.status == 401:
             return None
@@ -127,7 +137,9 @@ def _tokens() -> dict[str, str]:
 
 def _store(server: str, token: str | None) -> None:
     """Store the token for ``server``, or delete it if None. Only the file's owner can read it."""
-    kept = {name: value for name, value in _tokens().items() if name != server} | ({server: token} if token else {})
+    kept = {name: value for name, value in _tokens().items() if name != server} | (
+        {server: token} if token else {}
+    )
     folder = _file().parent
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
-"""SciPy's integrator DOP853 for right-hand sides in Python: its coefficients and arithmetic, so the same digits, without the
-wrappers around each call, which cost more than most students' functions.
+"""SciPy's integrator DOP853 for right-hand sides in Python: its coefficients and arithmetic, so the same
+digits, without the wrappers around each call, which cost more than most students' functions.
 """
 
 import functools
@@ -16,9 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Evaluate = Callable[[float], None]
 Rates = Callable[[Array, Array], Evaluate]
-"""Takes two arrays (n,) and returns a function of t that writes the rates into the second; the first then holds the state."""
+"""Takes two arrays (n,) and returns a function of t that writes the rates into the second; the first then
+holds the state.
+"""
 Stages = list[tuple[Callable[[Array, Array], Array], Array, float, Evaluate]]
-"""Of each stage the product of the rates before it with weights (s,), these, its time as a share of the step, its evaluation."""
+"""Of each stage the product of the rates before it with weights (s,), these, its time as a share of the step,
+its evaluation.
+"""
 
 MAIN, ALL = 12, 16  # stages of a step, and with those of its interpolation
 SAFETY, LEAST_FACTOR, MOST_FACTOR, EXPONENT = 0.9, 0.2, 10.0, -1 / 8
@@ -34,8 +38,8 @@ class IntegrationStopped(ArithmeticError):
 
 
 class Tableau(NamedTuple):
-    """The coefficients of DOP853: of its stages (``A``, ``C``) and weights ``B``, its two error estimates (``E3``, ``E5``), the
-    stages of its interpolation (``A_extra``, ``C_extra``) and their weights ``D``.
+    """The coefficients of DOP853: of its stages (``A``, ``C``) and weights ``B``, its two error estimates
+    (``E3``, ``E5``), the stages of its interpolation (``A_extra``, ``C_extra``) and their weights ``D``.
     """
 
     A: Array
@@ -50,7 +54,9 @@ class Tableau(NamedTuple):
 
 @functools.cache
 def tableau() -> Tableau:
-    """Return SciPy's coefficients, from their module alone if it is there: importing ``scipy.integrate`` takes 0.3 s."""
+    """Return SciPy's coefficients, from their module alone if it is there: importing ``scipy.integrate``
+    takes 0.3 s.
+    """
     scipy = find_spec("scipy")
     file = Path(str(scipy and scipy.origin)).parent / "integrate/_ivp/dop853_coefficients.py"
     if file.is_file() and (spec := spec_from_file_location("dop853_coefficients", file)) and spec.loader:
@@ -60,7 +66,9 @@ def tableau() -> Tableau:
         return Tableau(A[:MAIN, :MAIN], C[:MAIN], B, E3, E5, A[MAIN + 1 :], C[MAIN + 1 :], D)
     from scipy.integrate import DOP853
 
-    return Tableau(DOP853.A, DOP853.C, DOP853.B, DOP853.E3, DOP853.E5, DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D)
+    return Tableau(
+        DOP853.A, DOP853.C, DOP853.B, DOP853.E3, DOP853.E5, DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D
+    )
 
 
 @functools.cache
@@ -72,10 +80,11 @@ def solve_ivp() -> Any:
 
 
 def integrate(rates: Rates, start: ArrayLike, times: ArrayLike, rtol: float, atol: Array | float) -> Array:
-    """Return the states (n, m) at increasing ``times`` (m,), m > 1, from the state ``start`` (n,) at the first of them.
+    """Return the states (n, m) at increasing ``times`` (m,), m > 1, from the state ``start`` (n,) at the
+    first of them.
 
-    The numbers are those of ``solve_ivp(…, method="DOP853", t_eval=times)``, to the last bit. Raises IntegrationStopped, and what
-    ``rates`` raises.
+    The numbers are those of ``solve_ivp(…, method="DOP853", t_eval=times)``, to the last bit. Raises
+    IntegrationStopped, and what ``rates`` raises.
     """
     method = tableau()
     y, at = np.array(start, dtype=float), np.asarray(times, dtype=float)
@@ -166,7 +175,9 @@ def _error_norm(K: Array, h: float, scale: Array) -> Any:
 
 
 def _terms(K: Array, h: float, y: Array, new_y: Array) -> Array:
-    """Return the state ``y`` (n,) at the start of a step and the terms of its interpolation, highest order first (8, n)."""
+    """Return the state ``y`` (n,) at the start of a step and the terms of its interpolation, highest order
+    first (8, n).
+    """
     terms, step = np.empty((8, len(y))), new_y - y
     terms[0] = y
     terms[7], terms[6], terms[5] = step, h * K[0] - step, 2 * step - h * (K[MAIN] + K[0])
@@ -175,9 +186,14 @@ def _terms(K: Array, h: float, y: Array, new_y: Array) -> Array:
 
 
 def _between(pieces: list[tuple[Array, Array]]) -> Array:
-    """Return the states (n, m) between the ends of the steps, from the terms of each step and the shares (k,) of it."""
+    """Return the states (n, m) between the ends of the steps, from the terms of each step and the shares (k,)
+    of it.
+    """
     numbers = np.repeat(np.arange(len(pieces)), [len(shares) for _, shares in pieces])
-    (start, *terms), x = np.array([terms for terms, _ in pieces]).swapaxes(0, 1), np.concatenate([x for _, x in pieces])[:, None]
+    (start, *terms), x = (
+        np.array([terms for terms, _ in pieces]).swapaxes(0, 1),
+        np.concatenate([x for _, x in pieces])[:, None],
+    )
     found, shares = np.zeros((len(x), start.shape[1])), (x, 1 - x)
     for number, term in enumerate(terms):
         found += term[numbers]

@@ -16,7 +16,9 @@ Array = NDArray[np.float64]
 
 
 class Verdict(StrEnum):
-    """A check's verdict. UNMEASURED is neither right nor wrong: its cause says why nothing could be measured."""
+    """A check's verdict. UNMEASURED is neither right nor wrong:
+    its cause says why nothing could be measured.
+    """
 
     PASS = "pass"  # noqa: S105
     FAIL = "fail"
@@ -59,8 +61,8 @@ def line(verdict: Verdict, label: str, detail: str) -> str:
 
 
 def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judgement:
-    """Judge |got − expected| ≤ atol + rtol |expected| everywhere, of real or complex numbers. Shapes must be equal; nothing is
-    broadcast.
+    """Judge |got − expected| ≤ atol + rtol |expected| everywhere, of real or complex numbers. Shapes must be
+    equal; nothing is broadcast.
     """
     seen, want = _real_or_complex(got), _real_or_complex(expected)
     tolerance = f"(rtol={rtol:g}, atol={atol:g})"
@@ -90,11 +92,15 @@ def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) 
     where, margin = _worst(used, np.full_like(used, limit))
     largest = float(used.max()) if used.size else 0.0
     ok = bool(np.all(np.isfinite(want)) and np.all(used <= limit))
-    return Judgement(_verdict(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where)
+    return Judgement(
+        _verdict(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where
+    )
 
 
 def conserved(series: ArrayLike, limit: float) -> Judgement:
-    """Judge max |s(t)/s(0) − 1| ≤ limit for a series (n,), n ≥ 2. A series that starts at zero must stay zero."""
+    """Judge max |s(t)/s(0) − 1| ≤ limit for a series (n,), n ≥ 2. A series that starts at zero must stay
+    zero.
+    """
     values = _real(series)
     if values.ndim != 1 or values.size < 2:
         return _misshapen(f"got shape {values.shape}, expected a one-dimensional array of at least 2 values")
@@ -124,7 +130,11 @@ def positive(value: ArrayLike) -> Judgement:
     if values.size == 0:
         return Judgement(Verdict.FAIL, "the array is empty: expected at least one number (must be > 0)")
     smallest = float(values.min())
-    return Judgement(_verdict(bool(np.all(np.isfinite(values)) and smallest > 0)), f"got {smallest:.6g} (must be > 0)", smallest)
+    return Judgement(
+        _verdict(bool(np.all(np.isfinite(values)) and smallest > 0)),
+        f"got {smallest:.6g} (must be > 0)",
+        smallest,
+    )
 
 
 def holds(ok: Any, detail: str) -> Judgement:

@@ -30,11 +30,12 @@ ISOLATION = "none: checked in your own kernel"
 
 
 def check(*numbers: str | int, assignment: str | None = None) -> Report:
-    """Run the public checks of the exercises ``numbers``, offline, and return the report with the server's own lines.
+    """Run the public checks of the exercises ``numbers``, offline, and return the report with the server's
+    own lines.
 
-    The default is every exercise with a function that is no longer empty. Functions are found by name in the module that calls
-    ``check``. Raises UnknownCourse for an assignment the kit does not contain or an exercise the assignment does not have, and
-    AuthorError if the assignment's own code fails.
+    The default is every exercise with a function that is no longer empty. Functions are found by name in the
+    module that calls ``check``. Raises UnknownCourse for an assignment the kit does not contain or an
+    exercise the assignment does not have, and AuthorError if the assignment's own code fails.
     """
     names = sys._getframe(1).f_globals
     known = course.public(course.assignment(assignment))
@@ -45,23 +46,33 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     try:
         with _close_new_figures(), animate.watched():
             played = _play(_needed(chosen, checks, known), known, names)
-        sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
+        sections = [
+            ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]])
+            for e in chosen
+        ]
     except AuthorError as error:
         raise AuthorError(
-            f"The assignment {known.slug} has an error, not your code: {error}. Report it to the course staff."
+            f"The assignment {known.slug} has an error, not your code: {error}. Report it to the course"
+            " staff."
         ) from error
-    versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
+    versions = {"python": platform.python_version()} | {
+        name: metadata.version(name) for name in ("numpy", "scipy")
+    }
     report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
     report.not_attempted = [e.number for e in missed]
     report.weighted = any(c.points > 1 for e in known.exercises for c in e.checks)
     report.total = points([*chosen, *missed], known.exercises, written, known.names)
-    report.scene_ends = [scene_end for scene_end in played.scene_ends.values() if scene_end.ended is not Ended.FINISHED]
+    report.scene_ends = [
+        scene_end for scene_end in played.scene_ends.values() if scene_end.ended is not Ended.FINISHED
+    ]
     arrays = played.arrays
     report.figures, report.animations = pictures(chosen, arrays)
     report.drawn = cache(lambda name: _draw(chosen, known, arrays, name))
     more = sum(known.hidden.get(e.number, 0) for e in chosen)
-    remark = f"Checked locally. The server makes {more} more checks, with new random inputs for each submission."
+    remark = (
+        f"Checked locally. The server makes {more} more checks, with new random inputs for each submission."
+    )
     report.remark = remark if more else ""
     report.remark += "".join(f" {slow}" for slow in played.slow)
     return report
@@ -79,11 +90,15 @@ class SceneRun:
 def _chosen(known: PublicAssignment, numbers: list[str], written: set[str]) -> list[Exercise]:
     declared = {e.number: e for e in known.exercises}
     if unknown := [number for number in numbers if number not in declared]:
-        raise UnknownCourse(f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(declared)}")
+        raise UnknownCourse(
+            f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(declared)}"
+        )
     return [e for e in known.exercises if e.number in numbers] or attempted(known.exercises, written)
 
 
-def _needed(chosen: list[Exercise], checks: Mapping[str, list[Check]], known: PublicAssignment) -> list[PublicScene]:
+def _needed(
+    chosen: list[Exercise], checks: Mapping[str, list[Check]], known: PublicAssignment
+) -> list[PublicScene]:
     """Return the scenes of the checks and figures, each behind the one it comes after."""
     wanted = [s for listed in checks.values() for c in listed for s in c.scenes]
     wanted += [s for e in chosen for f in e.figures for s in f.scenes]
@@ -97,7 +112,9 @@ def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str
         before = played.scene_ends.get(scene.after or "")
         if before is not None and before.ended is not Ended.FINISHED:
             played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.NOT_PLAYED, before.sentence)
-        elif found := list(filter(None, (missing(names, name, name in variables) for name in (scene.function, *scene.needs)))):
+        elif found := list(
+            filter(None, (missing(names, name, name in variables) for name in (scene.function, *scene.needs)))
+        ):
             sentence = found[0]
             played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.MISSING, sentence, "missing-function")
         else:
@@ -105,7 +122,9 @@ def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str
     return played
 
 
-def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: SceneRun) -> None:
+def _play_one(
+    scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: SceneRun
+) -> None:
     began = time.monotonic()
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
@@ -124,11 +143,17 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
                 raise AuthorError(f"scene {scene.name}: {found}") from error
             ended, sentence = Ended.WRONG_ANSWER, UNUSABLE.format(function=scene.function, error=sentence)
             described["code"] = None
-        played.scene_ends[scene.name] = SceneEnd(scene.name, ended, sentence, described["code"], described.get("traceback"))
+        played.scene_ends[scene.name] = SceneEnd(
+            scene.name, ended, sentence, described["code"], described.get("traceback")
+        )
         return
     if (took := time.monotonic() - began) > scene.budget_s:
-        played.slow.append(f"Scene {scene.name} took {took:.0f} s here; the server allows {scene.budget_s:g} s.")
-    played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {k: scene.truth[k] for k in scene.known}
+        played.slow.append(
+            f"Scene {scene.name} took {took:.0f} s here; the server allows {scene.budget_s:g} s."
+        )
+    played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {
+        k: scene.truth[k] for k in scene.known
+    }
     played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.FINISHED, "finished")
 
 
@@ -139,7 +164,9 @@ def _call(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any])
 
 
 def _fails_anyway(found: str, scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any]) -> bool:
-    """Return whether a scene fails in the same way for a function that returns an object without any properties."""
+    """Return whether a scene fails in the same way for a function that returns an object without any
+    properties.
+    """
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
             _call(scene, known, {**names, scene.function: lambda *values, **named: object()})
@@ -172,23 +199,34 @@ def _outcome(check: Check, known: PublicAssignment, played: SceneRun) -> Outcome
         absent = played.scene_ends[check.scenes[0]].ended is Ended.MISSING
         uses = () if absent else (known.scenes[check.scenes[0]].question or {}).get("uses", ())
         outcome.remarks = [
-            f"checked with your own {name}: where that is wrong or missing, the server uses the reference" for name in uses
+            f"checked with your own {name}: where that is wrong or missing, the server uses the reference"
+            for name in uses
         ]
     return outcome
 
 
 def _likely(check: Check, known: PublicAssignment, played: SceneRun) -> list[Diagnosis]:
-    """Return the causes that the numbers of a scene, or of the one before it, single out; else how the code ended."""
-    names = [name for scene in check.scenes for name in (known.scenes[scene].after, scene) if name is not None]
+    """Return the causes that the numbers of a scene, or of the one before it, single out; else how the code
+    ended.
+    """
+    names = [
+        name for scene in check.scenes for name in (known.scenes[scene].after, scene) if name is not None
+    ]
     for name in names:
         if name in played.arrays and (found := _diagnosed(known, name, played.arrays[name])):
             return found
     scene_ends = [played.scene_ends[name] for name in names if name in played.scene_ends]
-    return [Diagnosis(scene_end.code, scene_end.sentence, 1.0) for scene_end in scene_ends if scene_end.code is not None][:1]
+    return [
+        Diagnosis(scene_end.code, scene_end.sentence, 1.0)
+        for scene_end in scene_ends
+        if scene_end.code is not None
+    ][:1]
 
 
 def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagnosis]:
-    """Return the likely causes; none if the diagnosis itself fails, because a report must not depend on it."""
+    """Return the likely causes; none if the diagnosis itself fails,
+    because a report must not depend on it.
+    """
     try:
         with np.errstate(all="ignore"):
             return known.diagnose(name, arrays)
@@ -196,11 +234,15 @@ def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagn
         return []
 
 
-def _draw(chosen: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str) -> bytes | None:
+def _draw(
+    chosen: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str
+) -> bytes | None:
     from ecp.drawing import contact_sheet, draw
 
     for figure in (f for e in chosen for f in e.figures if f.name == name):
-        return draw(figure, [arrays[s] for s in figure.scenes], [known.scenes[s].truth for s in figure.scenes])
+        return draw(
+            figure, [arrays[s] for s in figure.scenes], [known.scenes[s].truth for s in figure.scenes]
+        )
     for animation in (a for e in chosen for a in e.animations if a.name == name):
         return contact_sheet(arrays[animation.scene][animation.array])
     return None
@@ -209,4 +251,6 @@ def _draw(chosen: list[Exercise], known: PublicAssignment, arrays: Mapping[str, 
 def _own(filename: str) -> bool:
     """Return whether a frame of a traceback is the student's code, not the kit's or a library's."""
     path = Path(filename)
-    return not (filename in SOURCES or {KIT, STANDARD_LIBRARY} & set(path.parents) or LIBRARIES & set(path.parts))
+    return not (
+        filename in SOURCES or {KIT, STANDARD_LIBRARY} & set(path.parents) or LIBRARIES & set(path.parts)
+    )

@@ -30,7 +30,9 @@ class Ended(StrEnum):
 
 @dataclass
 class SceneEnd:
-    """How one scene or cell ended: the sentence, the diagnosis code, and the student's traceback if there is one."""
+    """How one scene or cell ended: the sentence, the diagnosis code, and the student's traceback if there is
+    one.
+    """
 
     scene: str
     ended: Ended = field(metadata={"formerly": "ending"})
@@ -69,9 +71,9 @@ class Outcome:
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
-    ``remarks`` say what it rests on besides the student's code, such as a reference function. ``points`` is what the
-    check is worth; ``partial`` is given for a ✗ with partial credit. ``self_reported``: the student's own code computed
-    what is compared and what it is compared with.
+    ``remarks`` say what it rests on besides the student's code, such as a reference function. ``points`` is
+    what the check is worth; ``partial`` is given for a ✗ with partial credit. ``self_reported``: the
+    student's own code computed what is compared and what it is compared with.
     """
 
     id: str
@@ -102,7 +104,9 @@ class Outcome:
 
     @property
     def earned(self) -> int:
-        """Return the points earned: all for a ✓; for a ✗ with partial credit the share of right inputs, rounded down; else 0."""
+        """Return the points earned: all for a ✓; for a ✗ with partial credit the share of right inputs,
+        rounded down; else 0.
+        """
         if self.verdict is Verdict.PASS:
             return self.points
         if self.verdict is Verdict.UNMEASURED or self.partial is None:
@@ -124,7 +128,9 @@ class Outcome:
         return found
 
     def _would_pass(self) -> str | None:
-        """Return the tolerances with which this ✗ would pass, or None if they are more than a few rounding errors."""
+        """Return the tolerances with which this ✗ would pass, or None if they are more than a few rounding
+        errors.
+        """
         larger = 1.0001 / (self.margin or 1.0)
         needed = {name: value * larger for name, value in self.tolerance.numbers().items() if value}
         if not needed or max(needed.values()) > SMALL:
@@ -133,7 +139,11 @@ class Outcome:
 
     def causes(self) -> list[Diagnosis]:
         """Return the likely causes that the line itself does not state. A ✓ has none."""
-        return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
+        return (
+            []
+            if self.verdict is Verdict.PASS
+            else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
+        )
 
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
         """Return the line and notes, likely causes and hints, indented below it.
@@ -144,7 +154,9 @@ class Outcome:
         above = numbers or {}
         hints = [f"hint: {hint}" for hint in self.hints]
         causes = [
-            f"cause {above[d.sentence]}: {d.code}" if d.sentence in above else f"likely {d.code}: {d.sentence}"
+            f"cause {above[d.sentence]}: {d.code}"
+            if d.sentence in above
+            else f"likely {d.code}: {d.sentence}"
             for d in self.causes()
         ]
         return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes, *hints])])
@@ -152,8 +164,8 @@ class Outcome:
 
 @dataclass(frozen=True)
 class SweptPoint:
-    """A solver at one tolerance ``rtol``, or a stepper at one ``step``: right-hand side calls, the error of the run (None: it
-    diverged), CPU seconds.
+    """A solver at one tolerance ``rtol``, or a stepper at one ``step``: right-hand side calls, the error of
+    the run (None: it diverged), CPU seconds.
     """
 
     method: str
@@ -185,8 +197,17 @@ class ExerciseReport:
         """Return the exercise's lines. ``numbers`` maps sentences of causes at the top of the report to their
         numbers.
         """
-        own = " (self-reported, no points)" if self.outcomes and all(outcome.self_reported for outcome in self.outcomes) else ""
-        return "\n".join([f"Exercise {self.number}. {self.title}{own}", *(outcome.text(numbers) for outcome in self.outcomes)])
+        own = (
+            " (self-reported, no points)"
+            if self.outcomes and all(outcome.self_reported for outcome in self.outcomes)
+            else ""
+        )
+        return "\n".join(
+            [
+                f"Exercise {self.number}. {self.title}{own}",
+                *(outcome.text(numbers) for outcome in self.outcomes),
+            ]
+        )
 
 
 @dataclass

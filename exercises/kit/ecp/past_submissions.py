@@ -17,7 +17,8 @@ class Submissions:
     """A student's submissions to an assignment, newest first, and the ids of the best and the latest one.
 
     ``submissions`` are the objects of the server's JSON answer. ``address`` is the address of the
-    assignment's page. ``out_of`` are the assignment's points, as in a report; "" from a server that does not send them.
+    assignment's page. ``out_of`` are the assignment's points, as in a report; "" from a server that does not
+    send them.
     """
 
     assignment: str
@@ -40,7 +41,10 @@ class Submissions:
             return "no submissions yet"
         cells = [f"<tr><td>{'</td><td>'.join(map(escape, row))}</td></tr>" for row in self._rows()]
         head = "<tr><th>submitted</th><th>points</th><th></th><th>changes since the previous one</th></tr>"
-        link = f'<a href="{escape(self.address, quote=True)}" target="_blank" rel="noopener">View on the server</a>'
+        link = (
+            f'<a href="{escape(self.address, quote=True)}" target="_blank" rel="noopener">View on the'
+            " server</a>"
+        )
         return fragment(f"<table><thead>{head}</thead><tbody>{''.join(cells)}</tbody></table>{link}")
 
     def _rows(self) -> list[tuple[str, ...]]:
@@ -61,14 +65,22 @@ class Submissions:
 def submissions(server: str | None = None, assignment: str | None = None) -> Submissions:
     """Return your submissions to an assignment: times, points, the best and the latest one, and what changed.
 
-    ``server`` and ``assignment`` default to those of ``ecp.connect``. Raises UnknownCourse if one of them is not known, Unreachable
-    if the server does not answer, and HTTPError if it refuses, for example because you are not logged in.
+    ``server`` and ``assignment`` default to those of ``ecp.connect``. Raises UnknownCourse if one of them is
+    not known, Unreachable if the server does not answer, and HTTPError if it refuses, for example because you
+    are not logged in.
     """
     slug = course.assignment(assignment)
     where = course.server(server, slug)
     found = own(where, slug)
     of = out_of(found["max_points"], found["bonus_points"]) if "max_points" in found else ""
-    return Submissions(found["assignment"], found["submissions"], found["best"], found["last"], f"{where}/assignments/{slug}", of)
+    return Submissions(
+        found["assignment"],
+        found["submissions"],
+        found["best"],
+        found["last"],
+        f"{where}/assignments/{slug}",
+        of,
+    )
 
 
 def own(server: str, slug: str) -> dict[str, Any]:

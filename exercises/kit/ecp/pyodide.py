@@ -16,8 +16,8 @@ OWN = ("user-agent",)  # browsers drop it, reject it, or send a preflight reques
 
 
 def request(method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-    """Return the answer. Raises Unreachable if there is none or the browser blocks it; the browser does not say
-    which. Header names are lower case.
+    """Return the answer. Raises Unreachable if there is none or the browser blocks it; the browser does not
+    say which. Header names are lower case.
     """
     sent = {name: value for name, value in headers.items() if name not in OWN}
     try:
@@ -49,14 +49,20 @@ def _can_wait() -> bool:
 
 async def _fetch(method: str, url: str, body: bytes | None, sent: dict[str, str]) -> tuple[Answer, str]:
     """Return the answer and its address after redirects."""
-    options: dict[str, Any] = {"method": method, "headers": sent, "cache": "no-store"} | ({} if body is None else {"body": body})
+    options: dict[str, Any] = {"method": method, "headers": sent, "cache": "no-store"} | (
+        {} if body is None else {"body": body}
+    )
     response = await import_module("pyodide.http").pyfetch(url, **options)
     headers = {name.lower(): value for name, value in dict(response.headers).items()}
-    whole = await response.js_response.arrayBuffer()  # response.bytes() of Pyodide 314 fails by itself if this is cut off
+    whole = (
+        await response.js_response.arrayBuffer()
+    )  # response.bytes() of Pyodide 314 fails by itself if this is cut off
     return Answer(response.status, headers, whole.to_bytes()), response.url
 
 
-def _synchronous(method: str, url: str, body: bytes | None, sent: dict[str, str], timeout: float) -> tuple[Answer, str]:
+def _synchronous(
+    method: str, url: str, body: bytes | None, sent: dict[str, str], timeout: float
+) -> tuple[Answer, str]:
     """Return the answer and its address after redirects."""
     xhr = import_module("js").XMLHttpRequest.new()
     xhr.open(method, url, False)
@@ -74,8 +80,10 @@ def _synchronous(method: str, url: str, body: bytes | None, sent: dict[str, str]
 
 def _unreachable(error: Exception, url: str, timeout: float) -> Unreachable:
     if isinstance(error, TimeoutError) or getattr(error, "name", "") == "TimeoutError":
-        return Unreachable(f"{place(url)} did not answer within {timeout:g} s: check your network and try again.")
+        return Unreachable(
+            f"{place(url)} did not answer within {timeout:g} s: check your network and try again."
+        )
     return Unreachable(
-        f"Your browser did not reach {place(url)}: check the address and your network; if both are right, the server does not "
-        "accept requests from this page, so ask your course staff."
+        f"Your browser did not reach {place(url)}: check the address and your network; if both are right, the"
+        " server does not accept requests from this page, so ask your course staff."
     )

@@ -16,14 +16,22 @@ OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
 def pictures(exercises: Sequence[Exercise], shown: Collection[str]) -> tuple[list[Picture], list[Picture]]:
     """Return figures and animations of the exercises whose scenes are all among those ``shown``."""
-    figures = [Picture(f.name, e.number, f.title, f.alt) for e in exercises for f in e.figures if set(f.scenes) <= set(shown)]
-    return figures, [Picture(a.name, e.number, a.title, a.alt) for e in exercises for a in e.animations if a.scene in shown]
+    figures = [
+        Picture(f.name, e.number, f.title, f.alt)
+        for e in exercises
+        for f in e.figures
+        if set(f.scenes) <= set(shown)
+    ]
+    return figures, [
+        Picture(a.name, e.number, a.title, a.alt) for e in exercises for a in e.animations if a.scene in shown
+    ]
 
 
 @dataclass
 class Provenance:
-    """What a regrade needs to give the same report: seed and versions; what stood around the code; by scene, what makes a
-    motion the student's function's own; and which functions of earlier questions each question used, by its id.
+    """What a regrade needs to give the same report: seed and versions; what stood around the code; by scene,
+    what makes a motion the student's function's own; and which functions of earlier questions each question
+    used, by its id.
     """
 
     seed: int
@@ -35,7 +43,9 @@ class Provenance:
 
 
 def out_of(points: int, bonus: int) -> str:
-    """Return the points that a submission can have, those of optional functions apart: "36 + 6 bonus", without a bonus "36"."""
+    """Return the points that a submission can have, those of optional functions apart: "36 + 6 bonus",
+    without a bonus "36".
+    """
     return f"{points} + {bonus} bonus" if bonus else str(points)
 
 
@@ -49,13 +59,13 @@ class Report:
     """All outcomes of one grading. A passed check earns its points, one unless the author says otherwise.
 
     ``total`` is the number of points of every exercise that was to be graded, including those
-    ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it. ``max_points`` is the part of these
-    exercises without optional functions, and ``bonus_points`` that of all optional functions, written or not; a report from before
-    polhode recorded them, and a local one, has None.
+    ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
+    ``max_points`` is the part of these exercises without optional functions, and ``bonus_points`` that of all
+    optional functions, written or not; a report from before polhode recorded them, and a local one, has None.
 
     ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures, which
-    ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page,
-    and a ``remark``. A ``local`` report comes from ``ecp.check`` and has the public checks only;
+    ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its
+    page, and a ``remark``. A ``local`` report comes from ``ecp.check`` and has the public checks only;
     it is ``weighted`` if one of the assignment's checks is worth more than a point.
     """
 
@@ -75,7 +85,9 @@ class Report:
     not_attempted: list[str] = field(default_factory=list)
     local: bool = field(default=False, metadata={"local_only": True}, compare=False)
     weighted: bool = field(default=False, metadata={"local_only": True}, compare=False)
-    drawn: Callable[[str], bytes | None] = field(default=no_picture, metadata={"local_only": True}, compare=False)
+    drawn: Callable[[str], bytes | None] = field(
+        default=no_picture, metadata={"local_only": True}, compare=False
+    )
     sent: Any = field(default=None, metadata={"local_only": True}, compare=False)
     address: str | None = field(default=None, metadata={"local_only": True}, compare=False)
     remark: str = field(default="", metadata={"local_only": True}, compare=False)
@@ -135,16 +147,27 @@ class Report:
         return "\n\n".join([*blocks, self.summary()]) + "\n"
 
     def summary(self) -> str:
-        """Return the points out of all points, the public checks among them, and the exercises not attempted."""
+        """Return the points out of all points, the public checks among them,
+        and the exercises not attempted.
+        """
         if self.local:
-            points = f"{self.score} of {self.most} {'points of the public checks' if self.weighted else 'public checks ✓'}"
+            points = (
+                f"{self.score} of {self.most}"
+                f" {'points of the public checks' if self.weighted else 'public checks ✓'}"
+            )
         else:
-            of = f"{self.out_of} points{' of the attempted exercises' if self.total is None and self.max_points is None else ''}"
+            of = (
+                f"{self.out_of}"
+                f" points{' of the attempted exercises' if self.total is None and self.max_points is None else ''}"
+            )
             public = [o for o in self.outcomes() if o.counted and not o.hidden]
             passed = sum(o.verdict is Verdict.PASS for o in public)
             points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"
             if reported := [o for o in self.outcomes() if o.self_reported]:
-                points += f"; {sum(o.verdict is Verdict.PASS for o in reported)} of {len(reported)} self-reported lines ✓"
+                points += (
+                    f"; {sum(o.verdict is Verdict.PASS for o in reported)} of {len(reported)} self-reported"
+                    " lines ✓"
+                )
         numbers = f"exercise{'s' * (len(self.not_attempted) > 1)} {', '.join(self.not_attempted)}"
         return f"{points}; not attempted: {numbers}" if self.not_attempted else points
 
@@ -166,7 +189,9 @@ class Report:
 
 
 def _note(scene_end: SceneEnd) -> str | None:
-    if scene_end.ended is Ended.TIMED_OUT and " " in scene_end.scene:  # a cell: no check says why its functions are missing
+    if (
+        scene_end.ended is Ended.TIMED_OUT and " " in scene_end.scene
+    ):  # a cell: no check says why its functions are missing
         return f"{scene_end.scene}: {scene_end.sentence}; of the cells after it, only definitions were run"
     if scene_end.traceback is None or scene_end.ended in (Ended.FINISHED, Ended.NOT_PLAYED):
         return None

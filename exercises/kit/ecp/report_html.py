@@ -1,5 +1,5 @@
-"""A report as HTML: causes and lines, which the web page shows too, and for a notebook figures and the graded source.
-Colours there follow the themes of JupyterLab, VS Code and Colab.
+"""A report as HTML: causes and lines, which the web page shows too, and for a notebook figures and the graded
+source. Colours there follow the themes of JupyterLab, VS Code and Colab.
 """
 
 import base64
@@ -16,8 +16,8 @@ from ecp.outcome import Diagnosis, ExerciseReport, Outcome, Picture
 from ecp.report import OWN_CHECKS, Report, no_picture
 
 MOST_LINKS = 3  # of the checks of an exercise that are listed with a cause
-# Light by default; dark if the front end (JupyterLab, VS Code, Colab) says so, or if it says nothing and the system is dark.
-# VS Code's light theme of high contrast has the class of the dark one too.
+# Light by default; dark if the front end (JupyterLab, VS Code, Colab) says so, or if it says nothing and the
+# system is dark. VS Code's light theme of high contrast has the class of the dark one too.
 # ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
 _DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8;--chart:invert(.9) hue-rotate(180deg)}"
 _STYLE = (
@@ -51,7 +51,8 @@ html[theme="dark"]) .polhode:not(#_){_DARK}
 
 
 def show(report: Report) -> None:
-    """Display the report's lines in IPython, then one picture after the other, each as soon as it is drawn or fetched.
+    """Display the report's lines in IPython, then one picture after the other, each as soon as it is drawn or
+    fetched.
 
     Raises NotImplementedError in a terminal, where IPython then shows the ``repr``. If the server sends no
     pictures, one line stands for all that are missing.
@@ -89,7 +90,8 @@ def html(report: Report) -> str:
         lines = [item(check.verdict, check.line, [check.cell]) for check in report.notebook_checks]
         parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
-        f"<details open><summary>{escape(e.scene)}: {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
+        f"<details open><summary>{escape(e.scene)}:"
+        f" {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
         for e in report.scene_ends
         if e.traceback
     ]
@@ -105,7 +107,9 @@ def fragment(inner: str) -> str:
 
 
 def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
-    """Return the causes as a list. With ``links`` each is an anchor, and its checks are links, folded if there are many."""
+    """Return the causes as a list. With ``links`` each is an anchor, and its checks are links, folded if
+    there are many.
+    """
     items = []
     for cause in causes:
         below = ""
@@ -113,7 +117,10 @@ def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
             labels = [_link(f"#check-{o.id}", o.label, links) for o in outcomes]
             where, listed = f"exercise {escape(number)}", "; ".join(labels)
             if links and len(labels) > MOST_LINKS:
-                below += f'<details class="more"><summary>{where}: {len(labels)} checks</summary><p>{listed}</p></details> '
+                below += (
+                    f'<details class="more"><summary>{where}: {len(labels)}'
+                    f" checks</summary><p>{listed}</p></details> "
+                )
             else:
                 below += f'<p class="quiet">{where}: {listed}</p>'
         anchor = f' id="cause-{cause.number}"' if links else ""
@@ -121,16 +128,22 @@ def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
     return f"<ol>{''.join(items)}</ol>"
 
 
-def outcome_item(outcome: Outcome, numbers: Mapping[str, int], *, links: bool = False, staff: str = "") -> str:
+def outcome_item(
+    outcome: Outcome, numbers: Mapping[str, int], *, links: bool = False, staff: str = ""
+) -> str:
     """Return the outcome as a list item: line, badges, notes, likely causes and hints.
 
-    ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for them. With
-    ``links`` it is an anchor, has links to those causes, and its notes are folded. ``staff`` is a remark for the
-    staff, who also see whether the check is hidden.
+    ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for them.
+    With ``links`` it is an anchor, has links to those causes, and its notes are folded. ``staff`` is a remark
+    for the staff, who also see whether the check is hidden.
     """
-    badges = [f"{outcome.earned} of {outcome.points} points"] if outcome.counted and outcome.points > 1 else []
+    badges = (
+        [f"{outcome.earned} of {outcome.points} points"] if outcome.counted and outcome.points > 1 else []
+    )
     badges += ["hidden"] if staff and outcome.hidden else []
-    badges += ["self-reported, no points"] if outcome.self_reported else [] if outcome.counted else ["not counted"]
+    badges += (
+        ["self-reported, no points"] if outcome.self_reported else [] if outcome.counted else ["not counted"]
+    )
     notes = [escape(note) for note in [*outcome.notes(), *([staff] if staff else [])]]
     below = [] if links else notes
     for d in outcome.causes():
@@ -166,7 +179,10 @@ def _link(address: str, text: str, links: bool) -> str:
 def _exercise(report: Report, exercise: ExerciseReport, numbers: Mapping[str, int]) -> str:
     items = [outcome_item(outcome, numbers) for outcome in exercise.outcomes]
     shown = "".join(_picture(picture, _drawn(report, picture)) for picture in _pictures(report, exercise))
-    return f"<h4>Exercise {escape(exercise.number)}. {escape(exercise.title)}</h4><ul>{''.join(items)}</ul>{shown}"
+    return (
+        f"<h4>Exercise {escape(exercise.number)}."
+        f" {escape(exercise.title)}</h4><ul>{''.join(items)}</ul>{shown}"
+    )
 
 
 def _pictures(report: Report, exercise: ExerciseReport) -> list[Picture]:
@@ -189,18 +205,28 @@ def _picture(picture: Picture, content: bytes | Exception | None) -> str:
     kind = "png" if content.startswith(b"\x89PNG") else "svg+xml"
     data = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
     caption = escape(picture.title)
-    return f'<figure><img src="{data}" alt="{escape(picture.alt, quote=True)}"><figcaption>{caption}</figcaption></figure>'
+    return (
+        f'<figure><img src="{data}"'
+        f' alt="{escape(picture.alt, quote=True)}"><figcaption>{caption}</figcaption></figure>'
+    )
 
 
 def _text(picture: Picture, content: bytes | Exception) -> str:
     """Return what stands for the picture in text: its description, or why it is missing."""
-    return f"{picture.title} is missing: {content}" if isinstance(content, Exception) else f"{picture.title}: {picture.alt}"
+    return (
+        f"{picture.title} is missing: {content}"
+        if isinstance(content, Exception)
+        else f"{picture.title}: {picture.alt}"
+    )
 
 
 def _page(report: Report) -> str:
     if report.address is None:
         return ""
-    return f' <a href="{escape(report.address, quote=True)}" target="_blank" rel="noopener">View on the server</a>'
+    return (
+        f' <a href="{escape(report.address, quote=True)}" target="_blank" rel="noopener">View on the'
+        " server</a>"
+    )
 
 
 def _sent(report: Report) -> str:

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 
 class WrongAnswer(Exception):
-    """The function returned something other than what was asked for. ``code`` is the diagnosis code, if one fits."""
+    """The function returned something other than what was asked for. ``code`` is the diagnosis code, if one
+    fits.
+    """
 
     def __init__(self, code: str | None, sentence: str) -> None:
         super().__init__(sentence)
@@ -23,7 +25,9 @@ class WrongAnswer(Exception):
 
 
 def check_signature(function: Any, names: tuple[str, ...], called: str) -> None:
-    """Raise WrongAnswer if ``function``, named ``called``, cannot be called with one argument for each of ``names``."""
+    """Raise WrongAnswer if ``function``, named ``called``, cannot be called with one argument for each of
+    ``names``.
+    """
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
@@ -33,7 +37,8 @@ def check_signature(function: Any, names: tuple[str, ...], called: str) -> None:
     except TypeError:
         raise WrongAnswer(
             "signature",
-            f"the checks call `{called}({', '.join(names)})`, but yours is defined as `{called}{signature}`: change its parameters",
+            f"the checks call `{called}({', '.join(names)})`, but yours is defined as `{called}{signature}`:"
+            " change its parameters",
         ) from None
 
 
@@ -47,12 +52,16 @@ def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
 
 
 def is_written(value: Any, variable: bool = False) -> bool:
-    """Return whether ``value`` is a callable, or for a ``variable`` anything but None and ``...``, and not empty."""
+    """Return whether ``value`` is a callable, or for a ``variable`` anything but None and ``...``, and not
+    empty.
+    """
     return value is not None and value is not ... and (variable or callable(value)) and not is_empty(value)
 
 
 def missing(names: Mapping[str, Any], name: str, variable: bool) -> str | None:
-    """Return why a submission's ``names`` have no function (or ``variable``) ``name``, or None if they have it."""
+    """Return why a submission's ``names`` have no function (or ``variable``) ``name``, or None if they have
+    it.
+    """
     if name not in names or (variable and not is_written(names[name], variable)):
         return f"{name} is not defined"
     if variable or callable(names[name]):
@@ -72,7 +81,9 @@ def is_empty(function: Any) -> bool:
         own = [getattr(value, "__func__", getattr(value, "fget", value)) for value in vars(function).values()]
         methods = [value for value in own if isinstance(value, types.FunctionType)]
         return all(map(is_empty, methods)) and bool(methods)
-    if not isinstance(function, types.FunctionType) or not _NOTHING.issuperset(function.__code__.co_code[::2]):
+    if not isinstance(function, types.FunctionType) or not _NOTHING.issuperset(
+        function.__code__.co_code[::2]
+    ):
         return False
     return all(step.argval is None for step in dis.get_instructions(function) if step.opname in _CONSTANT)
 
@@ -81,16 +92,20 @@ _CONSTANT = {"LOAD_CONST", "RETURN_CONST"}
 _NOTHING = {dis.opmap[name] for name in _CONSTANT | {"RESUME", "NOP", "RETURN_VALUE"} if name in dis.opmap}
 
 
-def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool = True) -> NDArray[np.float64]:
+def real_array(
+    value: Any, shape: tuple[int, ...], name: str, is_returned: bool = True
+) -> NDArray[np.float64]:
     """Return ``value`` as float64 of exactly ``shape``. Lists and tuples of numbers are converted; nothing is
     broadcast.
 
     Complex numbers must have the imaginary part 0.
 
-    Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape. Its sentence says that the function
-    ``name`` returned it, or unless ``is_returned`` that ``name`` is it.
+    Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape. Its sentence says
+    that the function ``name`` returned it, or unless ``is_returned`` that ``name`` is it.
     """
-    if type(value) is np.ndarray and value.shape == shape and value.dtype == np.float64:  # the common case, in a third of the time
+    if (
+        type(value) is np.ndarray and value.shape == shape and value.dtype == np.float64
+    ):  # the common case, in a third of the time
         return value.copy()
     if value is None and is_returned:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
@@ -99,24 +114,35 @@ def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool 
         array = np.asarray(value)
     except ValueError:
         raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, wanted, "a ragged list")) from None
-    if array.dtype.kind == "c" and not array.imag.any():  # as np.linalg.eigvals returns real eigenvalues from NumPy 2.5 on
+    if (
+        array.dtype.kind == "c" and not array.imag.any()
+    ):  # as np.linalg.eigvals returns real eigenvalues from NumPy 2.5 on
         array = array.real
     if array.dtype.kind not in "fiu":
         had = f"dtype {array.dtype}" if isinstance(value, np.ndarray) else article(type(value).__name__)
-        raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, "real numbers" if shape else "a real number", had))
+        raise WrongAnswer(
+            "wrong-shape", wrong_value(name, is_returned, "real numbers" if shape else "a real number", had)
+        )
     if array.shape != shape:
         had = f"shape {array.shape}" if is_returned else f"an array of shape {array.shape}"
-        raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, wanted, had if array.ndim else "a number"))
+        raise WrongAnswer(
+            "wrong-shape", wrong_value(name, is_returned, wanted, had if array.ndim else "a number")
+        )
     return np.array(array, dtype=np.float64)
 
 
 def wrong_value(name: str, is_returned: bool, wanted: str, had: str) -> str:
-    """Return the sentence that a function returned, or a variable or expression is, something other than wanted.
+    """Return the sentence that a function returned, or a variable or expression is, something other than
+    wanted.
 
     >>> wrong_value("speed", True, "a number", "shape (3,)")
     'speed must return a number; it returned shape (3,)'
     """
-    return f"{name} must return {wanted}; it returned {had}" if is_returned else f"{name} must be {wanted}; it is {had}"
+    return (
+        f"{name} must return {wanted}; it returned {had}"
+        if is_returned
+        else f"{name} must be {wanted}; it is {had}"
+    )
 
 
 def article(noun: str) -> str:
@@ -138,9 +164,19 @@ def describe_exception(error: BaseException, own: Callable[[str], bool]) -> dict
             return {"ended": "wrong-answer", "code": error.code, "sentence": str(error)}
         case MemoryError():
             sentence = "your code asked for more memory than is allowed"
-            return {"ended": "memory", "code": "memory", "sentence": sentence, "traceback": _trace(error, own)}
+            return {
+                "ended": "memory",
+                "code": "memory",
+                "sentence": sentence,
+                "traceback": _trace(error, own),
+            }
         case SyntaxError():
-            return {"ended": "syntax-error", "code": "syntax-error", "sentence": _message(error), "traceback": _trace(error, own)}
+            return {
+                "ended": "syntax-error",
+                "code": "syntax-error",
+                "sentence": _message(error),
+                "traceback": _trace(error, own),
+            }
     return {"ended": "raised", "code": "raises", "sentence": _message(error), "traceback": _trace(error, own)}
 
 

@@ -6,11 +6,20 @@ from html import escape
 from typing import Any
 
 INK, AMBER, QUIET = "#16213e", "#c0851a", "#5d6785"
-_CARD = f"border-left:.3em solid {AMBER};padding:.4em 0 .4em 1em;margin:.5em 0;font-family:system-ui,sans-serif;line-height:1.4"
+_CARD = (
+    f"border-left:.3em solid {AMBER};padding:.4em 0 .4em 1em;margin:.5em"
+    " 0;font-family:system-ui,sans-serif;line-height:1.4"
+)
 
 
 def header(
-    *, volume: Any = "", number: Any = "", title: Any = "", blurb: Any = "", difficulty: Any = "", estimate: Any = ""
+    *,
+    volume: Any = "",
+    number: Any = "",
+    title: Any = "",
+    blurb: Any = "",
+    difficulty: Any = "",
+    estimate: Any = "",
 ) -> None:
     """Display the notebook's title card: volume and number, title, one sentence on its topic, level and
     estimated time.
@@ -34,7 +43,9 @@ def footer() -> None:
 
 
 def use_style() -> None:
-    """Set matplotlib's defaults: colours distinguishable with colour blindness, light axes, animations as players."""
+    """Set matplotlib's defaults: colours distinguishable with colour blindness, light axes, animations as
+    players.
+    """
     import matplotlib.pyplot as plt
     from cycler import cycler
 

@@ -63,7 +63,9 @@ def _trace(seconds: float) -> Iterator[None]:
         file = frame.f_code.co_filename
         if file.startswith(KIT) or "site-packages" in file:
             return None
-        frame.f_trace_opcodes = True  # before Python 3.12 a loop in one line has no line events; 3.13 may send no others
+        frame.f_trace_opcodes = (
+            True  # before Python 3.12 a loop in one line has no line events; 3.13 may send no others
+        )
         return step
 
     def step(frame: FrameType, event: str, argument: Any) -> Any:

@@ -1,4 +1,6 @@
-"""Which artists of an animation change a pixel of its pictures, and whether anything but text changes them."""
+"""Which artists of an animation change a pixel of its pictures,
+and whether anything but text changes them.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,7 +19,8 @@ MOST = 64  # artists looked at in one frame; further ones count as visible
 
 
 class Visibility:
-    """What can be seen in ``figure``, as ``canvas`` draws it, according to the frames that ``look`` was called for.
+    """What can be seen in ``figure``, as ``canvas`` draws it, according to the frames that ``look`` was
+    called for.
 
     An artist is invisible if no pixel of any of these frames changes when it is hidden. In doubt it is
     visible. ``moves`` is the share of the pixels that change between these frames when no text is drawn.
@@ -38,10 +41,14 @@ class Visibility:
         return not (self.moves and self._all_seen)
 
     def look(self, drawn: list[Drawn]) -> None:
-        """Look for the artists of a frame that no earlier frame showed; the canvas has just drawn the frame."""
+        """Look for the artists of a frame that no earlier frame showed;
+        the canvas has just drawn the frame.
+        """
         if self._followed is None:
             self._followed = {key for d in drawn for key in _keys(d)}
-        unseen = [(d, artist) for d in drawn if self._is_unseen(d) and (artist := d.artist()) is not None][:MOST]
+        unseen = [(d, artist) for d in drawn if self._is_unseen(d) and (artist := d.artist()) is not None][
+            :MOST
+        ]
         visible = self._visible([artist for _, artist in unseen], _pixels(self._canvas))
         self._all_seen = len(visible) == len(unseen)
         for d, artist in unseen:

@@ -12,13 +12,66 @@ from exercises.rigid_body.causes.rates import causes_of_rates
 from exercises.rigid_body.public.common_checks import filmed
 
 CODES = (
-    *("sign-flipped", "sign-reversed", "cyclic-order", "component-order", "missing-division", "wrong-divisor"),
-    *("constant-factor", "moment-sum", "returns-zero", "missing-component", "returns-input", "missing-term", "moment-order"),
-    *("hard-coded-moments", "extra-term", "time-dependent", "precision-loss", "diagonal-only", "wrong-quantity", "units"),
-    *("not-unwrapped", "signature", "swapped-arguments", "not-finite", "mutates-input", "returns-nothing", "wrong-shape"),
-    *("no-animation", "static", "wrong-axis", "transposed-rotation", "moving-angular-momentum", "reversed-angular-momentum"),
-    *("wrong-angular-momentum", "wrong-motion", "wrong-frames", "wrong-proportions", "mirrored", "too-many-frames"),
-    *("missing-brackets", "absolute-value", "floor-division", "clipped", "normalised", "inverted-moments", "wrong-power"),
+    *(
+        "sign-flipped",
+        "sign-reversed",
+        "cyclic-order",
+        "component-order",
+        "missing-division",
+        "wrong-divisor",
+    ),
+    *(
+        "constant-factor",
+        "moment-sum",
+        "returns-zero",
+        "missing-component",
+        "returns-input",
+        "missing-term",
+        "moment-order",
+    ),
+    *(
+        "hard-coded-moments",
+        "extra-term",
+        "time-dependent",
+        "precision-loss",
+        "diagonal-only",
+        "wrong-quantity",
+        "units",
+    ),
+    *(
+        "not-unwrapped",
+        "signature",
+        "swapped-arguments",
+        "not-finite",
+        "mutates-input",
+        "returns-nothing",
+        "wrong-shape",
+    ),
+    *(
+        "no-animation",
+        "static",
+        "wrong-axis",
+        "transposed-rotation",
+        "moving-angular-momentum",
+        "reversed-angular-momentum",
+    ),
+    *(
+        "wrong-angular-momentum",
+        "wrong-motion",
+        "wrong-frames",
+        "wrong-proportions",
+        "mirrored",
+        "too-many-frames",
+    ),
+    *(
+        "missing-brackets",
+        "absolute-value",
+        "floor-division",
+        "clipped",
+        "normalised",
+        "inverted-moments",
+        "wrong-power",
+    ),
     *("partly-right", "nearly-right", "wrong-times", "wrong-components", "unbounded"),
 )
 """The diagnosis codes of this assignment; docs/checks.md describes them."""
@@ -32,8 +85,12 @@ def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None
         if function == "precession_rate":
             return causes_of_rate(answers)
         if function == "principal_moments":
-            tensors = np.concatenate([np.asarray(inputs["tensors"], dtype=float) for inputs, _ in answers.values()])
-            return causes_of_tensors(tensors, np.concatenate([seen["moments"] for _, seen in answers.values()]))
+            tensors = np.concatenate(
+                [np.asarray(inputs["tensors"], dtype=float) for inputs, _ in answers.values()]
+            )
+            return causes_of_tensors(
+                tensors, np.concatenate([seen["moments"] for _, seen in answers.values()])
+            )
     return None
 
 

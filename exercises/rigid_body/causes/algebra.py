@@ -18,24 +18,46 @@ import numpy as np
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.probes import scale
-from exercises.rigid_body.public.diagnosis import AGREEMENT, BACKWARDS, COMPONENT, ROUNDING, TORQUE, cause, multiple
+from exercises.rigid_body.public.diagnosis import (
+    AGREEMENT,
+    BACKWARDS,
+    COMPONENT,
+    ROUNDING,
+    TORQUE,
+    cause,
+    multiple,
+)
 from exercises.rigid_body.public.quantities import Array
 
 Order = tuple[int, ...]
 Form = tuple[tuple[Order, str, Order], list[float]]
-"""A fitted component: the ω of its product, the text and the moments of its divisor; its weights of the three moments and of 1."""
+"""A fitted component: the ω of its product, the text and the moments of its divisor; its weights of the three
+moments and of 1.
+"""
 
 SPIN, MOMENT = ("ω₁", "ω₂", "ω₃"), ("I₁", "I₂", "I₃")
-MOMENTS, SPINS = ("{ii}", "{ij}", "{ik}"), ("{wi}", "{wj}", "{wk}")  # as seen from a component, in the fields of Slip.text
+MOMENTS, SPINS = (
+    ("{ii}", "{ij}", "{ik}"),
+    ("{wi}", "{wj}", "{wk}"),
+)  # as seen from a component, in the fields of Slip.text
 ORDINARY = (1e-2, 1e2)  # sizes of |ω| and I to which forms are fitted; they are confirmed at all points
 PRODUCTS = [*itertools.combinations_with_replacement(range(3), 2), (0,), (1,), (2,), ()]
-DIVISORS = {"": 0, "{}": 1, "{}·{}": 2, "{}²": 1, "1/{}": 1, "({} + {})": 2, "(I₁ + I₂ + I₃)": 3, "|I|": 3}  # of so many moments
+DIVISORS = {
+    "": 0,
+    "{}": 1,
+    "{}·{}": 2,
+    "{}²": 1,
+    "1/{}": 1,
+    "({} + {})": 2,
+    "(I₁ + I₂ + I₃)": 3,
+    "|I|": 3,
+}  # of so many moments
 SAME = (0, 1, 2)
 
 
 class Slip(NamedTuple):
-    """One error of a component. ``text`` is the same for the same error in another component: its fields c, d,
-    ii, ij, ik, wi, wj and wk are symbols as seen from the component. ``in_all`` says the same of all three
+    """One error of a component. ``text`` is the same for the same error in another component: its fields c,
+    d, ii, ij, ik, wi, wj and wk are symbols as seen from the component. ``in_all`` says the same of all three
     components.
     """
 
@@ -46,18 +68,25 @@ class Slip(NamedTuple):
 
 SIGN = Slip("sign-flipped", "{c} has the opposite sign: check {d}", (Slip(*BACKWARDS),))
 UNDIVIDED = Slip("missing-division", "{c} is not divided by {ik}", (Slip(*TORQUE),))
-ZERO = Slip("missing-component", "{c} is always zero", (Slip("missing-component", "euler_eqs returns zeros"),))
+ZERO = Slip(
+    "missing-component", "{c} is always zero", (Slip("missing-component", "euler_eqs returns zeros"),)
+)
 SUM_OF_ALL = Slip("moment-sum", "every component has the sum of two moments instead of their difference")
 SUM = Slip("moment-sum", "{c} has the sum of two moments instead of their difference {d}", (SUM_OF_ALL,))
 
 
 def forms(w: Array, moments: Array, wdot: Array, agreement: float = AGREEMENT) -> list[list[Form | None]]:
-    """Return every form of each component of ``wdot`` (n, 3) at ω and I (n, 3); only None for a column of zeros.
+    """Return every form of each component of ``wdot`` (n, 3) at ω and I (n, 3); only None for a column of
+    zeros.
 
     None of them has a factor that cancels, as in 3 I₁/I₁: that is another form.
     """
-    divisors = [(text, axes) for text, number in DIVISORS.items() for axes in itertools.combinations(range(3), number)]
-    coefficients = np.array([[*moments.T, np.ones(len(w))] / _divisor(text, moments[:, axes]) for text, axes in divisors])
+    divisors = [
+        (text, axes) for text, number in DIVISORS.items() for axes in itertools.combinations(range(3), number)
+    ]
+    coefficients = np.array(
+        [[*moments.T, np.ones(len(w))] / _divisor(text, moments[:, axes]) for text, axes in divisors]
+    )
     products = np.array([w[:, product].prod(axis=1) for product in PRODUCTS])
     designs = (products[:, None, None] * coefficients).reshape(-1, 4, len(w)).swapaxes(1, 2)
     labels = [(product, *divisor) for product, divisor in itertools.product(PRODUCTS, divisors)]
@@ -95,8 +124,8 @@ def _cancels(form: Form) -> bool:
 
 
 def readings(found: Iterable[Form | None], k: int, order: Order = SAME) -> list[list[Slip]]:
-    """Return the errors of each form that can be read as component ``k`` (None: zero). The author took I number
-    order[a] for I number a.
+    """Return the errors of each form that can be read as component ``k`` (None: zero). The author took I
+    number order[a] for I number a.
     """
     return [slips for form in found if (slips := _read(form, k, order)) is not None]
 
@@ -122,8 +151,16 @@ def _product(places: list[int]) -> list[Slip]:
     if places == [0, 1]:
         return []
     if len(places) < 2:
-        return [Slip("missing-term", f"{{c}} has {''.join(has) or 'no ω at all'} instead of the product {{wi}}·{{wj}}")]
-    sentence = f"{{c}} has the product {'·'.join(has)} instead of {{wi}}·{{wj}}: check the cyclic order of the indices"
+        return [
+            Slip(
+                "missing-term",
+                f"{{c}} has {''.join(has) or 'no ω at all'} instead of the product {{wi}}·{{wj}}",
+            )
+        ]
+    sentence = (
+        f"{{c}} has the product {'·'.join(has)} instead of {{wi}}·{{wj}}: check the cyclic order of the"
+        " indices"
+    )
     return [Slip("cyclic-order", sentence)]
 
 
@@ -132,12 +169,20 @@ def _weights(weights: list[float], constant: float, divisor: str) -> list[Slip] 
     if len(used) == 3 or (constant and used):
         return None
     if constant and divisor == "{ik}":
-        return [Slip("hard-coded-moments", f"{{c}} has the constant {constant:.10g} instead of the difference {{d}}")]
+        return [
+            Slip(
+                "hard-coded-moments",
+                f"{{c}} has the constant {constant:.10g} instead of the difference {{d}}",
+            )
+        ]
     if constant:
         sentence = f"{{c}} does not use the moments it is given: its coefficient is always {constant:.10g}"
         return [Slip("hard-coded-moments", sentence), *(divided if divisor else [])]
     if len(used) == 1:
-        return [Slip("missing-term", f"{{c}} has {MOMENTS[used[0]]} alone instead of the difference {{d}}"), *divided]
+        return [
+            Slip("missing-term", f"{{c}} has {MOMENTS[used[0]]} alone instead of the difference {{d}}"),
+            *divided,
+        ]
     return _other_pair(weights, used, divided) if 2 in used else _pair(weights[0], weights[1], divided)
 
 
@@ -169,7 +214,11 @@ def _divided(divisor: str) -> list[Slip]:
         return []
     if not divisor:
         return [UNDIVIDED]
-    did, due = (f"multiplied by {divisor[2:]}", "divided by {ik}") if divisor[:2] == "1/" else (f"divided by {divisor}", "{ik}")
+    did, due = (
+        (f"multiplied by {divisor[2:]}", "divided by {ik}")
+        if divisor[:2] == "1/"
+        else (f"divided by {divisor}", "{ik}")
+    )
     return [Slip("wrong-divisor", f"{{c}} is {did} instead of {due}")]
 
 
@@ -183,11 +232,18 @@ def extra_terms(column: Array, k: int, w: Array, moments: Array) -> list[list[Sl
     powers = {"{wk}³": wk**3, "{wk}²": wk**2, "{wi}": w[:, i], "{wj}": w[:, j]}
     terms = drag | {f"{name}/{{ik}}": values / ik for name, values in drag.items()} | powers
     right = [moments[:, a] * w[:, i] * w[:, j] / ik for a in (i, j)]
-    designs = {(a, b): np.column_stack([*right, terms[a], terms[b]]) for a, b in itertools.combinations(terms, 2)}
+    designs = {
+        (a, b): np.column_stack([*right, terms[a], terms[b]]) for a, b in itertools.combinations(terms, 2)
+    }
     found = []
-    for names, (first, second, *sizes) in sums(designs, column[:, None], _size(w, moments), _slack(w, moments))[0]:
+    for names, (first, second, *sizes) in sums(
+        designs, column[:, None], _size(w, moments), _slack(w, moments)
+    )[0]:
         added = [f"{size:+.6g} {name}".rstrip() for name, size in zip(names, sizes, strict=True) if size]
-        extra = [Slip("extra-term", f"{{c}} has an extra term {term}: torque-free equations have none") for term in added]
+        extra = [
+            Slip("extra-term", f"{{c}} has an extra term {term}: torque-free equations have none")
+            for term in added
+        ]
         own = scaled(first) if first else [Slip("missing-component", "{c} lacks its own term")]
         found += [own + extra] if first == -second else []
     return found
@@ -196,11 +252,17 @@ def extra_terms(column: Array, k: int, w: Array, moments: Array) -> list[list[Sl
 def diagnoses(slips: Sequence[tuple[int, Slip]]) -> list[Diagnosis]:
     """Return the diagnoses of these errors of components. The same error in all three is one diagnosis."""
     given = [slip for _, slip in slips]
-    errors = [(k, each) for k, slip in slips for each in (slip.in_all if slip.in_all and given.count(slip) == 3 else [slip])]
+    errors = [
+        (k, each)
+        for k, slip in slips
+        for each in (slip.in_all if slip.in_all and given.count(slip) == 3 else [slip])
+    ]
     found = {}
     for k, slip in errors:
         alike = [said(slip, other) for other, same in errors if same == slip]
-        sentence = f"{alike[0]}; likewise in the other two components" if len(set(alike)) == 3 else said(slip, k)
+        sentence = (
+            f"{alike[0]}; likewise in the other two components" if len(set(alike)) == 3 else said(slip, k)
+        )
         found[sentence] = cause(slip.code, sentence)
     return list(found.values())
 
@@ -209,4 +271,6 @@ def said(slip: Slip, k: int) -> str:
     """Return the sentence of an error of component ``k``."""
     i, j = (k + 1) % 3, (k + 2) % 3
     spins = {"wi": SPIN[i], "wj": SPIN[j], "wk": SPIN[k]}
-    return slip.text.format(c=COMPONENT[k], d=f"({MOMENT[i]} − {MOMENT[j]})", ii=MOMENT[i], ij=MOMENT[j], ik=MOMENT[k], **spins)
+    return slip.text.format(
+        c=COMPONENT[k], d=f"({MOMENT[i]} − {MOMENT[j]})", ii=MOMENT[i], ij=MOMENT[j], ik=MOMENT[k], **spins
+    )

@@ -13,10 +13,14 @@ LEAST_POINTS = 10  # a fit to fewer points is not conclusive
 
 
 def sums(
-    terms: Mapping[Label, Array], columns: Array, size: Array, slack: Array | float = 0.0, agreement: float = AGREEMENT
+    terms: Mapping[Label, Array],
+    columns: Array,
+    size: Array,
+    slack: Array | float = 0.0,
+    agreement: float = AGREEMENT,
 ) -> list[list[tuple[Label, list[float]]]]:
-    """Return for each of the ``columns`` (n, m) label and weights of every sum of a label's ``terms`` (n, number) that
-    gives it to ``agreement``. Weights that vanish are 0.
+    """Return for each of the ``columns`` (n, m) label and weights of every sum of a label's ``terms`` (n,
+    number) that gives it to ``agreement``. Weights that vanish are 0.
 
     The fit divides each point by its ``size`` (n,). Points of infinite size only confirm it, to ten times the
     agreement and ``slack`` (n,).
@@ -33,6 +37,8 @@ def sums(
         share = np.abs(scaled[cell] * fitted[cell, :, m]).max(axis=0)
         weights = np.where(share > agreement * share.max(), fitted[cell, :, m], 0.0)
         parts = designs[cell] * weights
-        if np.all(np.abs(parts.sum(axis=1) - columns[:, m]) <= 10 * agreement * np.abs(parts).sum(axis=1) + slack):
+        if np.all(
+            np.abs(parts.sum(axis=1) - columns[:, m]) <= 10 * agreement * np.abs(parts).sum(axis=1) + slack
+        ):
             found[m].append((labels[cell], [float(f"{weight:.{digits}g}") for weight in weights]))
     return found

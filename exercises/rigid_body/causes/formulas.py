@@ -1,5 +1,6 @@
 """Wrong formulas that predict numbers, other than wrong indices, signs, factors and divisors (algebra.py):
-missing brackets, absolute values, floor division, clipping, normalized or inverted arguments, powers and lost digits.
+missing brackets, absolute values, floor division, clipping, normalized or inverted arguments, powers and lost
+digits.
 """
 
 from collections.abc import Callable, Iterator
@@ -53,7 +54,11 @@ def of_all_components(w: Array, moments: Array, seen: Array) -> Iterator[Mistake
         sentence = f"euler_eqs always uses moments in the ratio {ratio} and ignores its argument I"
         yield "hard-coded-moments", sentence, coefficients * products
     for how, cut in CUTS.items():
-        answers_ = {"ω and I are": exact(cut(w), cut(moments)), "ω is": exact(cut(w), moments), "I is": exact(w, cut(moments))}
+        answers_ = {
+            "ω and I are": exact(cut(w), cut(moments)),
+            "ω is": exact(cut(w), moments),
+            "I is": exact(w, cut(moments)),
+        }
         for what, values in (answers_ | {"the answer is": cut(right)}).items():
             yield "precision-loss", too_few_digits(f"{what} {how}"), values
 
@@ -66,14 +71,22 @@ def too_few_digits(how: str) -> str:
 def of_one_component(w: Array, moments: Array, seen: Array) -> Iterator[Mistake]:
     """Yield mistakes with the values (n, 3) that they give to each component at ω and I (n, 3).
 
-    The limit of clipped rates is read from the ``seen`` ones. A sentence has the fields of ``algebra.Slip.text``.
+    The limit of clipped rates is read from the ``seen`` ones. A sentence has the fields of
+    ``algebra.Slip.text``.
     """
     for code, sentence, values in (*_terms(w, moments), *_cut(w, moments, seen)):
         yield code, f"{{c}} {sentence}", values
 
 
 def _terms(w: Array, moments: Array) -> Iterator[Mistake]:
-    ii, ij, wi, wj, ik, wk = np.roll(moments, -1, 1), np.roll(moments, -2, 1), np.roll(w, -1, 1), np.roll(w, -2, 1), moments, w
+    ii, ij, wi, wj, ik, wk = (
+        np.roll(moments, -1, 1),
+        np.roll(moments, -2, 1),
+        np.roll(w, -1, 1),
+        np.roll(w, -2, 1),
+        moments,
+        w,
+    )
     right, product = exact(w, moments), wi * wj
     speed, length = (np.linalg.norm(x, axis=1, keepdims=True) for x in (w, moments * w))
     speed, length = (np.where(x > 0, x, 1.0) for x in (speed, length))
@@ -87,7 +100,11 @@ def _terms(w: Array, moments: Array) -> Iterator[Mistake]:
         ("({ii} − {ij})·{wi}/({ik}·{wj})", (ii - ij) * wi / (ik * wj)),
         ("({ii} − {ij})·{wj}/({ik}·{wi})", (ii - ij) * wj / (ik * wi)),
     ):
-        yield "missing-brackets", f"is computed as {text} instead of {{d}}·{{wi}}{{wj}}/{{ik}}: check the brackets", values
+        yield (
+            "missing-brackets",
+            f"is computed as {text} instead of {{d}}·{{wi}}{{wj}}/{{ik}}: check the brackets",
+            values,
+        )
     for text, values in (
         ("the whole result", np.abs(right)),
         ("the difference {d}", np.abs(ii - ij) * product / ik),
@@ -97,13 +114,21 @@ def _terms(w: Array, moments: Array) -> Iterator[Mistake]:
     ):
         yield "absolute-value", f"takes the absolute value of {text}: its sign is lost", values
     for values in (np.floor(right), (ii - ij) // ik * product, (ii - ij) * wi // ik * wj):
-        yield "floor-division", "uses floor division (//), which drops the fraction: divide by {ik} with /", values
+        yield (
+            "floor-division",
+            "uses floor division (//), which drops the fraction: divide by {ik} with /",
+            values,
+        )
     yield "normalised", "is computed from the unit vector ω/|ω|: use ω itself", right / speed**2
     yield "normalised", "lacks a factor |ω|: one of its ω comes from the unit vector ω/|ω|", right / speed
     yield "normalised", "lacks a factor |L|: L comes from a unit vector", right / length
     smallest, middle, largest = np.sort(moments, axis=1).T[:, :, None]
     norm = np.linalg.norm(moments, axis=1, keepdims=True)
-    for text, size in (("|I|", norm), ("their sum", moments.sum(axis=1, keepdims=True)), ("the largest", largest)):
+    for text, size in (
+        ("|I|", norm),
+        ("their sum", moments.sum(axis=1, keepdims=True)),
+        ("the largest", largest),
+    ):
         yield "normalised", f"has moments divided by {text} in one place and not in another", right / size
     for text, size in (("largest", largest), ("middle", middle), ("smallest", smallest)):
         yield "wrong-divisor", f"is divided by the {text} of the moments instead of {{ik}}", right * ik / size
@@ -139,12 +164,21 @@ def _cut(w: Array, moments: Array, seen: Array) -> Iterator[Mistake]:
             yield "clipped", f"is limited to ±{limit:.6g}", np.clip(right, -limit, limit)
     for limit in LIMITS:
         shorter = np.where(speed > limit, w * limit / np.where(speed > 0, speed, 1.0), w)
-        yield "clipped", f"is computed from ω limited to ±{limit:g}", exact(np.clip(w, -limit, limit), moments)
+        yield (
+            "clipped",
+            f"is computed from ω limited to ±{limit:g}",
+            exact(np.clip(w, -limit, limit), moments),
+        )
         yield "clipped", f"is computed from ω whose length is limited to {limit:g}", exact(shorter, moments)
     rank = np.argsort(np.argsort(np.abs(w), axis=1), axis=1)
     for place, text in enumerate(("smallest", "middle", "largest")):
-        sentence = f"is zero where |{{wk}}| is the {text} of the three: the product {{wi}}{{wj}} is dropped there"
+        sentence = (
+            f"is zero where |{{wk}}| is the {text} of the three: the product {{wi}}{{wj}} is dropped there"
+        )
         yield "missing-component", sentence, np.where(rank == place, 0.0, right)
     for least in 10.0 ** -np.arange(13):
-        for values in (exact(np.where(np.abs(w) < least, 0.0, w), moments), np.where(np.abs(right) < least, 0.0, right)):
+        for values in (
+            exact(np.where(np.abs(w) < least, 0.0, w), moments),
+            np.where(np.abs(right) < least, 0.0, right),
+        ):
             yield "clipped", "is zero where ω or {c} itself is small: small values are cut off", values

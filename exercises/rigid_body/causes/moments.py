@@ -54,63 +54,125 @@ def _of_boxes(boxes: Array, truth: Array) -> list[Mistake]:
     volume = edges.prod(axis=1, keepdims=True)
     exchanged = np.array([reference.box_moments(row[3], *row[:3]) for row in boxes])
     belongs = "the first belongs to the edge a"
-    orders = {", ".join(MOMENT[k] for k in order): truth[:, order] for order in itertools.permutations(range(3))}
+    orders = {
+        ", ".join(MOMENT[k] for k in order): truth[:, order] for order in itertools.permutations(range(3))
+    }
     brackets = [
         ("missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value)
         for x, y in ((b**2, c**2), (turned[0] ** 2, turned[1] ** 2))
-        for place, value in (("m/12·b² + c²", m / 12 * x + y), ("b² + c²·m/12", x + m / 12 * y), ("m·b² + c²/12", m * x + y / 12))
+        for place, value in (
+            ("m/12·b² + c²", m / 12 * x + y),
+            ("b² + c²·m/12", x + m / 12 * y),
+            ("m·b² + c²/12", m * x + y / 12),
+        )
     ]
     return [
         *brackets,
-        *(("moment-order", f"the right moments in the wrong order: {k}; {belongs}", value) for k, value in orders.items()),
-        ("moment-order", f"the right moments, but sorted: {belongs}, whatever its size", np.sort(truth, axis=1)),
+        *(
+            ("moment-order", f"the right moments in the wrong order: {k}; {belongs}", value)
+            for k, value in orders.items()
+        ),
+        (
+            "moment-order",
+            f"the right moments, but sorted: {belongs}, whatever its size",
+            np.sort(truth, axis=1),
+        ),
         ("wrong-power", "the square roots of the moments instead of the moments", np.sqrt(truth)),
         ("wrong-quantity", "the inverse moments instead of the moments", 1 / truth),
         ("wrong-quantity", "the radii of gyration √(I/m) instead of the moments", np.sqrt(truth / m)),
-        ("floor-division", "the moments are cut to whole numbers: look for floor division (//) or int", np.floor(truth)),
-        ("floor-division", "m is divided by 12 with //, which drops the fraction: use /", m // 12 * (b**2 + c**2)),
+        (
+            "floor-division",
+            "the moments are cut to whole numbers: look for floor division (//) or int",
+            np.floor(truth),
+        ),
+        (
+            "floor-division",
+            "m is divided by 12 with //, which drops the fraction: use /",
+            m // 12 * (b**2 + c**2),
+        ),
         ("wrong-power", "the edges are not squared: I₁ has b + c instead of b² + c²", m / 12 * (b + c)),
         ("wrong-power", "I₁ has 2b + 2c instead of b² + c²: the square is b**2", m / 6 * (b + c)),
-        ("wrong-power", "I₁ has the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.hypot(b, c)),
-        ("wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume),
-        ("wrong-quantity", "the right moments divided by the volume abc: m is the mass, not the density", truth / volume),
-        ("swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged),
+        (
+            "wrong-power",
+            "I₁ has the root of b² + c², and so on: look for np.hypot or a norm",
+            m / 12 * np.hypot(b, c),
+        ),
+        (
+            "wrong-quantity",
+            "the right moments times the volume abc: m is the mass, not the density",
+            truth * volume,
+        ),
+        (
+            "wrong-quantity",
+            "the right moments divided by the volume abc: m is the mass, not the density",
+            truth / volume,
+        ),
+        (
+            "swapped-arguments",
+            "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)",
+            exchanged,
+        ),
     ]
 
 
 def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
-    """Return the causes for ``principal_moments``, (n, 3) in kg m², in any order, for the ``tensors`` (n, 3, 3)."""
+    """Return the causes for ``principal_moments``, (n, 3) in kg m², in any order, for the ``tensors`` (n, 3,
+    3).
+    """
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
     if (found := _no_number(seen, truth, "principal_moments")) or _same(seen, truth):
         return found
     if found := _first(_of_tensors(tensors, truth), seen):
         return found
     factor = float(np.sum(seen / truth) / seen.size)
-    if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
+    if (
+        np.isfinite(factor)
+        and _same(seen, factor * truth)
+        and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}")
+    ):
         return [cause("constant-factor", f"{factor:.10g} times the right value: {EXTRA}")]
     _, axes = np.linalg.eigh(tensors)
     sizes = np.sort(np.abs(moments), axis=1)
     for vectors in (axes, np.swapaxes(axes, 1, 2)):
-        if np.all(np.any(np.all(np.abs(np.sort(np.abs(vectors), axis=1) - sizes[:, :, None]) < 1e-6, axis=1), axis=1)):
-            return [cause("wrong-quantity", "a principal axis (an eigenvector), not the moments: np.linalg.eigh returns both")]
+        if np.all(
+            np.any(
+                np.all(np.abs(np.sort(np.abs(vectors), axis=1) - sizes[:, :, None]) < 1e-6, axis=1), axis=1
+            )
+        ):
+            return [
+                cause(
+                    "wrong-quantity",
+                    "a principal axis (an eigenvector), not the moments: np.linalg.eigh returns both",
+                )
+            ]
     excess = np.cumsum(truth - seen, axis=1) / truth.max(axis=1, keepdims=True)
-    if np.all(excess <= AGREEMENT) and np.all(np.abs(excess[:, 2]) <= AGREEMENT):  # Schur and Horn: the diagonal of such a tensor
+    if np.all(excess <= AGREEMENT) and np.all(
+        np.abs(excess[:, 2]) <= AGREEMENT
+    ):  # Schur and Horn: the diagonal of such a tensor
         unfinished = (
-            "the sum is right, but the values are the diagonal of a tensor that is not diagonal yet: use np.linalg.eigvalsh"
+            "the sum is right, but the values are the diagonal of a tensor that is not diagonal yet: use"
+            " np.linalg.eigvalsh"
         )
         return [cause("diagonal-only", unfinished)]
     shares = seen / np.trace(tensors, axis1=1, axis2=2)[:, None]
-    return _nearly(seen, truth) or _constant(shares, "the same shares of the trace for every tensor: return its eigenvalues")
+    return _nearly(seen, truth) or _constant(
+        shares, "the same shares of the trace for every tensor: return its eigenvalues"
+    )
 
 
 def _of_tensors(tensors: Array, truth: Array) -> list[Mistake]:
     instead, quantity = "instead of the moments themselves", "wrong-quantity"
     diagonal, mean = np.diagonal(tensors, axis1=1, axis2=2), truth.mean(axis=1, keepdims=True)
-    minors = np.array([[np.linalg.det(tensor[:k, :k]) for k in range(4)] for tensor in tensors])  # of size 0: 1
+    minors = np.array(
+        [[np.linalg.det(tensor[:k, :k]) for k in range(4)] for tensor in tensors]
+    )  # of size 0: 1
     upper = np.array([np.diagonal(np.linalg.qr(tensor)[1]) for tensor in tensors])
     factor = "this is the diagonal of a triangular factor, as from Gaussian elimination"
     triangular = f"{factor}; only the product is right: return the eigenvalues"
-    second = "these are the second moments of the mass, half the trace minus each moment: return the moments of inertia"
+    second = (
+        "these are the second moments of the mass, half the trace minus each moment: return the moments of"
+        " inertia"
+    )
     opposite = "the off-diagonal elements have the opposite sign: use the tensor as it is given"
     sizes = {"their length": np.linalg.norm(truth, axis=1), "their sum": truth.sum(axis=1)}
     sizes |= {"the largest": truth[:, 2], "the smallest": truth[:, 0], "the middle one": truth[:, 1]}
@@ -125,8 +187,16 @@ def _of_tensors(tensors: Array, truth: Array) -> list[Mistake]:
         (quantity, f"the square roots of the moments {instead}", np.sqrt(truth)),
         (quantity, f"the inverse moments {instead}", 1 / truth),
         (quantity, f"the squares of the moments {instead}", truth**2),
-        (quantity, "every value is a third of the trace; only the sum is right: return the eigenvalues", 0 * truth + mean),
-        (quantity, "the lengths of the columns of the tensor: return its eigenvalues", np.linalg.norm(tensors, axis=1)),
+        (
+            quantity,
+            "every value is a third of the trace; only the sum is right: return the eigenvalues",
+            0 * truth + mean,
+        ),
+        (
+            quantity,
+            "the lengths of the columns of the tensor: return its eigenvalues",
+            np.linalg.norm(tensors, axis=1),
+        ),
         (quantity, "the sums of the rows of the tensor: return its eigenvalues", tensors.sum(axis=1)),
         (
             "absolute-value",
@@ -136,7 +206,10 @@ def _of_tensors(tensors: Array, truth: Array) -> list[Mistake]:
         ("sign-flipped", opposite, np.linalg.eigvalsh(2 * diagonal[:, None] * np.eye(3) - tensors)),
         (quantity, second, 3 * mean / 2 - truth),
         *((quantity, triangular, values) for values in (minors[:, 1:] / minors[:, :3], upper, np.abs(upper))),
-        *(("normalised", f"the right moments divided by {name}", truth / size[:, None]) for name, size in sizes.items()),
+        *(
+            ("normalised", f"the right moments divided by {name}", truth / size[:, None])
+            for name, size in sizes.items()
+        ),
         (
             "precision-loss",
             "the tensor is cut to whole numbers: look for an array of integers",
@@ -148,7 +221,9 @@ def _of_tensors(tensors: Array, truth: Array) -> list[Mistake]:
 
 
 def _no_number(moments: Array, truth: Array, function: str) -> list[Diagnosis]:
-    """Return the diagnosis if the moments (n, 3) are not finite, zero, or the right ones with fewer digits."""
+    """Return the diagnosis if the moments (n, 3) are not finite, zero,
+    or the right ones with fewer digits.
+    """
     if not np.all(np.isfinite(moments)):
         return [cause("not-finite", f"{function} returns values that are not finite")]
     if not moments.any():
@@ -156,14 +231,20 @@ def _no_number(moments: Array, truth: Array, function: str) -> list[Diagnosis]:
     slack = 4 * np.finfo(float).eps * np.abs(moments)
     for decimals in range(12):
         half = 0.5000001 * 10.0**-decimals + ROUNDING * truth.max(axis=1, keepdims=True)
-        if np.all((np.abs(moments - np.round(moments, decimals)) <= slack) & (np.abs(moments - truth) <= half)):
+        if np.all(
+            (np.abs(moments - np.round(moments, decimals)) <= slack) & (np.abs(moments - truth) <= half)
+        ):
             return [cause("precision-loss", f"the moments are rounded to {decimals} decimals")]
-    single = np.array_equal(moments, moments.astype(np.float32)) and np.all(np.abs(moments / truth - 1) < SINGLE)
+    single = np.array_equal(moments, moments.astype(np.float32)) and np.all(
+        np.abs(moments / truth - 1) < SINGLE
+    )
     return [cause("precision-loss", "the moments are in single precision (float32)")] if single else []
 
 
 def _first(mistakes: list[Mistake], moments: Array) -> list[Diagnosis]:
-    return next(([cause(code, sentence)] for code, sentence, values in mistakes if _same(moments, values)), [])
+    return next(
+        ([cause(code, sentence)] for code, sentence, values in mistakes if _same(moments, values)), []
+    )
 
 
 def _constant(values: Array, sentence: str) -> list[Diagnosis]:
@@ -174,13 +255,16 @@ def _constant(values: Array, sentence: str) -> list[Diagnosis]:
 
 def _nearly(moments: Array, truth: Array, how: str = "within {:.2g} of the right moments") -> list[Diagnosis]:
     off = float(np.abs(moments / truth - 1).max())
-    sentence = f"nearly right: {how.format(off)}: use the closed formula or np.linalg.eigvalsh instead of a numerical approximation"
+    sentence = (
+        f"nearly right: {how.format(off)}: use the closed formula or np.linalg.eigvalsh instead of a"
+        " numerical approximation"
+    )
     return [cause("nearly-right", sentence, 0.8)] if off <= NEARLY else []
 
 
 def _read(boxes: Array, moments: Array) -> list[Diagnosis]:
-    """Return the errors in the moments' terms: weights of the squared edges and their products, with or without
-    the mass; none if a moment has other terms.
+    """Return the errors in the moments' terms: weights of the squared edges and their products, with or
+    without the mass; none if a moment has other terms.
     """
     mass, edges = boxes[:, 0], boxes[:, 1:]
     squares = np.column_stack([edges[:, a] * edges[:, b] for a, b in PAIRS]) / 12
@@ -204,13 +288,20 @@ def _weighed(weights: dict[tuple[int, int], float], k: int) -> list[Diagnosis]:
     first, second, right = weights[i, i], weights[j, j], f"{EDGES[i]}² + {EDGES[j]}²"
     if used != due:
         has = " + ".join(f"{EDGES[a]}²" if a == b else f"{EDGES[a]}{EDGES[b]}" for a, b in sorted(used))
-        code = "missing-term" if used < due else "cyclic-order" if all(a == b for a, b in used) else "extra-term"
+        code = (
+            "missing-term" if used < due else "cyclic-order" if all(a == b for a, b in used) else "extra-term"
+        )
         return [cause(code, f"{MOMENT[k]} has {has} instead of {right}")]
     if np.isclose(first, -second, rtol=1e-9):
         return [cause("sign-flipped", f"{MOMENT[k]} has {EDGES[i]}² − {EDGES[j]}² instead of {right}")]
     if not np.isclose(first, second, rtol=1e-9):
         factors = f"{first:.6g} for {EDGES[i]}² and {second:.6g} for {EDGES[j]}²"
-        return [cause("constant-factor", f"{MOMENT[k]} has the factors {factors}, in units of m/12, instead of 1 and 1")]
+        return [
+            cause(
+                "constant-factor",
+                f"{MOMENT[k]} has the factors {factors}, in units of m/12, instead of 1 and 1",
+            )
+        ]
     if np.isclose(first, 1, rtol=1e-9):
         return []
     hint = FACTORS.get(round(first, 9), EXTRA)

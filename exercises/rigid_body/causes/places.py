@@ -1,4 +1,6 @@
-"""Functions that are right at some points only: where, as a condition on ω and I, and what is wrong elsewhere."""
+"""Functions that are right at some points only: where, as a condition on ω and I, and what is wrong
+elsewhere.
+"""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -16,7 +18,14 @@ from exercises.rigid_body.public.quantities import Array
 Mask = NDArray[np.bool_]
 LEAST_POINTS = 3  # that are right, and on each side of a threshold
 PAIRS = list(itertools.combinations(range(3), 2))
-SENSES = {"=": np.equal, "≠": np.not_equal, ">": np.greater, "<": np.less, "≥": np.greater_equal, "≤": np.less_equal}
+SENSES = {
+    "=": np.equal,
+    "≠": np.not_equal,
+    ">": np.greater,
+    "<": np.less,
+    "≥": np.greater_equal,
+    "≤": np.less_equal,
+}
 
 
 def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
@@ -27,13 +36,21 @@ def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
     right = agree(wdot, exact, scale(w, moments))
     wrong = [k for k in range(3) if not right[:, k].all()]
     good, bad = right & (exact != 0), ~right  # zero may be right by chance
-    together = described(good[:, wrong].all(axis=1), np.asarray(bad.any(axis=1)), w, moments, least=LEAST_POINTS)
+    together = described(
+        good[:, wrong].all(axis=1), np.asarray(bad.any(axis=1)), w, moments, least=LEAST_POINTS
+    )
     where = {k: together or described(good[:, k], bad[:, k], w, moments, least=LEAST_POINTS) for k in wrong}
     if all(where.values()):
         parts = {place: [k for k in wrong if where[k] == place] for place in where.values()}
         slips = [(k, slip) for k in wrong for slip in _slips(k, bad[:, k], w, moments, wdot[:, k])]
         elsewhere = [cause(each.code, f"elsewhere {each.sentence}") for each in diagnoses(slips)]
-        return [*(cause("partly-right", f"{_are(each)} right only where {place}") for place, each in parts.items()), *elsewhere]
+        return [
+            *(
+                cause("partly-right", f"{_are(each)} right only where {place}")
+                for place, each in parts.items()
+            ),
+            *elsewhere,
+        ]
     if len(wrong) == 3:
         return []
     always, only = _are([k for k in range(3) if k not in wrong]), " and ".join(COMPONENT[k] for k in wrong)
@@ -41,8 +58,8 @@ def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 
 
 def described(inside: Mask, outside: Mask, w: Array, moments: Array, least: int = 1) -> str | None:
-    """Return in words what holds at all points ``inside`` (n,), ``least`` of them or more, and at none ``outside``;
-    otherwise None.
+    """Return in words what holds at all points ``inside`` (n,), ``least`` of them or more, and at none
+    ``outside``; otherwise None.
 
     Of several thresholds that hold, the first two are named.
     """

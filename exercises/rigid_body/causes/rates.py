@@ -10,7 +10,17 @@ import numpy as np
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
 from exercises.rigid_body.causes import formulas
-from exercises.rigid_body.causes.algebra import MOMENT, SAME, Form, Slip, diagnoses, extra_terms, forms, readings, scaled
+from exercises.rigid_body.causes.algebra import (
+    MOMENT,
+    SAME,
+    Form,
+    Slip,
+    diagnoses,
+    extra_terms,
+    forms,
+    readings,
+    scaled,
+)
 from exercises.rigid_body.causes.fit import LEAST_POINTS
 from exercises.rigid_body.causes.places import described, partly_right
 from exercises.rigid_body.probes import scale
@@ -46,7 +56,10 @@ def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
         spin, body = (", ".join(f"{x:.4g}" for x in numbers[np.argmin(finite)]) for numbers in (w, moments))
         place = f"ω = ({spin}) and I = ({body}), for example"
     rest = _finite(t[finite], w[finite], moments[finite], wdot[finite]) if finite.sum() > LEAST_POINTS else []
-    return [*(known for known in rest if known.code != "partly-right"), not_finite(f" where {place}" if place else "")]
+    return [
+        *(known for known in rest if known.code != "partly-right"),
+        not_finite(f" where {place}" if place else ""),
+    ]
 
 
 def _whole(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
@@ -61,21 +74,33 @@ def _finite(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
         return found
     explained = _explained(w, moments, wdot)
     if explained is None:
-        return _few_digits(w, moments, wdot) or partly_right(w, moments, wdot) or nearly_right(wdot, exact, size)
+        return (
+            _few_digits(w, moments, wdot) or partly_right(w, moments, wdot) or nearly_right(wdot, exact, size)
+        )
     return explained
 
 
 def _explained(w: Array, moments: Array, wdot: Array) -> list[Diagnosis] | None:
-    """Return the fewest errors that reproduce the rates, none if they are not unique, or None if there are none."""
+    """Return the fewest errors that reproduce the rates, none if they are not unique, or None if there are
+    none.
+    """
     columns, ascending = forms(w, moments, wdot), np.sort(moments, axis=1)
     if (found := _fewest(columns)) is not None:
         return found if len(found) <= MOST else []
     for largest_first, given in (("", ascending), (", the largest first", ascending[:, ::-1])):
         if (found := _fewest(forms(w, given, wdot))) is not None:
-            return [cause("moment-order", f"the moments are sorted{largest_first}: use I₁, I₂, I₃ in the given order"), *found]
+            return [
+                cause(
+                    "moment-order",
+                    f"the moments are sorted{largest_first}: use I₁, I₂, I₃ in the given order",
+                ),
+                *found,
+            ]
     mistakes = list(formulas.of_one_component(w, moments, wdot))
     others = [
-        readings(columns[k], k) or _formulas(mistakes, k, w, moments, wdot) or extra_terms(wdot[:, k], k, w, moments)
+        readings(columns[k], k)
+        or _formulas(mistakes, k, w, moments, wdot)
+        or extra_terms(wdot[:, k], k, w, moments)
         for k in range(3)
     ]
     return _fewest(columns, others)
@@ -94,7 +119,9 @@ def _few_digits(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 
 
 def _formulas(mistakes: list[Mistake], k: int, w: Array, moments: Array, wdot: Array) -> list[list[Slip]]:
-    """Return the errors that reproduce component ``k``: a wrong formula, or its negative; none if two codes do."""
+    """Return the errors that reproduce component ``k``: a wrong formula, or its negative; none if two codes
+    do.
+    """
     found: dict[str, list[Slip]] = {}
     own, size = slice(k, k + 1), scale(w, moments)
     for (code, sentence, values), sign in itertools.product(mistakes, (1.0, -1.0)):
@@ -103,9 +130,11 @@ def _formulas(mistakes: list[Mistake], k: int, w: Array, moments: Array, wdot: A
     return list(found.values()) if len({slips[0].code for slips in found.values()}) == 1 else []
 
 
-def _fewest(columns: list[list[Form | None]], others: list[list[list[Slip]]] | None = None) -> list[Diagnosis] | None:
-    """Return the explanation with the fewest errors, then the fewest swapped axes, by the forms of the components;
-    in the right order also by ``others``, errors of any kind.
+def _fewest(
+    columns: list[list[Form | None]], others: list[list[list[Slip]]] | None = None
+) -> list[Diagnosis] | None:
+    """Return the explanation with the fewest errors, then the fewest swapped axes, by the forms of the
+    components; in the right order also by ``others``, errors of any kind.
 
     Empty if two explanations with different codes are equally short; None if there is none.
     """
@@ -115,7 +144,9 @@ def _fewest(columns: list[list[Form | None]], others: list[list[list[Slip]]] | N
         if others and outputs == order == SAME:
             found_slips = others
         if all(found_slips):
-            slips = [(k, slip) for k, each in zip(outputs, found_slips, strict=True) for slip in min(each, key=len)]
+            slips = [
+                (k, slip) for k, each in zip(outputs, found_slips, strict=True) for slip in min(each, key=len)
+            ]
             swapped = _swapped(outputs, order)
             explained = [*swapped, *diagnoses(slips)]
             found.setdefault((len(explained), len(swapped)), []).append(explained)
@@ -129,9 +160,13 @@ def _fewest(columns: list[list[Form | None]], others: list[list[list[Slip]]] | N
 def _swapped(outputs: Sequence[int], order: Sequence[int]) -> list[Diagnosis]:
     found, used = [], ", ".join(MOMENT[k] for k in order)
     if outputs != SAME:
-        found.append(cause("component-order", f"the components are returned in the wrong order: {named(outputs)}"))
+        found.append(
+            cause("component-order", f"the components are returned in the wrong order: {named(outputs)}")
+        )
     if order != SAME:
-        found.append(cause("moment-order", f"the moments are used in the order {used}: use them in the given order"))
+        found.append(
+            cause("moment-order", f"the moments are used in the order {used}: use them in the given order")
+        )
     return found
 
 

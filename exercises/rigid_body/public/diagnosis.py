@@ -59,7 +59,11 @@ def diagnose(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays)
     right = agree(got, exact, scale)
     if right.all():
         return []
-    return known_rates(got, answers(w, moments, exact), scale) or _factors(got, exact, scale) or nearly_right(got, exact, scale)
+    return (
+        known_rates(got, answers(w, moments, exact), scale)
+        or _factors(got, exact, scale)
+        or nearly_right(got, exact, scale)
+    )
 
 
 def cause(code: str, sentence: str, confidence: float = 1.0) -> Diagnosis:
@@ -69,7 +73,9 @@ def cause(code: str, sentence: str, confidence: float = 1.0) -> Diagnosis:
 
 def not_finite(where: str = "") -> Diagnosis:
     """Return the diagnosis of values that are not finite."""
-    sentence = f"euler_eqs returns values that are not finite{where}: look for a division by zero or an overflow"
+    sentence = (
+        f"euler_eqs returns values that are not finite{where}: look for a division by zero or an overflow"
+    )
     return cause("not-finite", sentence)
 
 
@@ -101,9 +107,15 @@ def answers(w: Array, moments: Array, exact: Array) -> list[Mistake]:
     orders = list(itertools.permutations(range(3)))[1:]
     return [
         (*BACKWARDS, -exact),
-        *(("returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", x) for name, x in given.items()),
+        *(
+            ("returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", x)
+            for name, x in given.items()
+        ),
         (*TORQUE, exact * moments),
-        *(("component-order", f"the components are returned in the wrong order: {named(k)}", exact[:, k]) for k in orders),
+        *(
+            ("component-order", f"the components are returned in the wrong order: {named(k)}", exact[:, k])
+            for k in orders
+        ),
     ]
 
 
@@ -117,7 +129,13 @@ def multiple(what: str, factor: float) -> tuple[str, str]:
     for unit, converts in UNITS.items():
         if abs(abs(factor) / unit - 1.0) < ROUNDED:
             sense = " and the opposite sign" if factor < 0 else ""
-            return "units", f"{what} is {factor:.7g} times the right value: {converts}{sense}; ω is in rad/s, ω̇ in rad/s²"
+            return (
+                "units",
+                (
+                    f"{what} is {factor:.7g} times the right value: {converts}{sense}; ω is in rad/s, ω̇ in"
+                    " rad/s²"
+                ),
+            )
     return "constant-factor", f"{what} is {factor:.10g} times the right value: look for an extra factor"
 
 
@@ -130,7 +148,13 @@ def nearly_right(got: Array, exact: Array, scale: Array) -> list[Diagnosis]:
         return []
     where = "" if near.all() else f" at {near.sum()} of {len(near)} points"
     remedy = "compute the rates from Euler's equations, not by numerical differentiation or integration"
-    return [cause("nearly-right", f"nearly right: within {off[near].max():.2g} of the right values{where}: {remedy}", 0.8)]
+    return [
+        cause(
+            "nearly-right",
+            f"nearly right: within {off[near].max():.2g} of the right values{where}: {remedy}",
+            0.8,
+        )
+    ]
 
 
 def _factors(got: Array, exact: Array, scale: Array) -> list[Diagnosis]:
@@ -140,7 +164,9 @@ def _factors(got: Array, exact: Array, scale: Array) -> list[Diagnosis]:
         return []
     if np.ptp(factors) <= AGREEMENT * abs(factors[0]):
         return [cause(*multiple("every component", factors[0]))]
-    return [_factor(COMPONENT[k], factor) for k, factor in enumerate(factors) if abs(factor - 1.0) > AGREEMENT]
+    return [
+        _factor(COMPONENT[k], factor) for k, factor in enumerate(factors) if abs(factor - 1.0) > AGREEMENT
+    ]
 
 
 def _factor(what: str, factor: float) -> Diagnosis:

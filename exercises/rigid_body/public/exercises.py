@@ -1,4 +1,6 @@
-"""The six exercises of notebook 2.6 with their public checks: the notebook's nine lines and the exact solution."""
+"""The six exercises of notebook 2.6 with their public checks: the notebook's nine lines and the exact
+solution.
+"""
 
 import numpy as np
 
@@ -151,7 +153,10 @@ def _growth(*runs: Arrays) -> Array:
 def _spin_claim(*runs: Arrays) -> tuple[bool, str]:
     low, mid, high = _growth(*runs)
     steady = 5 * NUDGE
-    return bool(low < steady and mid > 10 * steady and high < steady), f"growth: min {low:.3f}, mid {mid:.3f}, max {high:.3f}"
+    return (
+        bool(low < steady and mid > 10 * steady and high < steady),
+        f"growth: min {low:.3f}, mid {mid:.3f}, max {high:.3f}",
+    )
 
 
 INTERMEDIATE = Exercise(
@@ -189,7 +194,8 @@ INTERMEDIATE = Exercise(
         Animation(
             "tumble-yours",
             "Your animation of the tumbling box",
-            "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames.",
+            "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its"
+            " frames.",
             "tumble-film",
         ),
     ),
@@ -222,14 +228,17 @@ ATTITUDE = Exercise(
             reason=DRIVE,
         ),
         *film("6", "film", "animate_precession", "the body axis ê₃(t)"),
-        keeps_momentum("6-drawn-momentum", "what animate_precession draws along L stays fixed", "film", filmed),
+        keeps_momentum(
+            "6-drawn-momentum", "what animate_precession draws along L stays fixed", "film", filmed
+        ),
     ),
     figures=(figures.CONE,),
     animations=(
         Animation(
             "precession",
             "Your animation of the free precession",
-            "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames.",
+            "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its"
+            " frames.",
             "film",
         ),
     ),

@@ -59,7 +59,9 @@ def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     left, right = canvas.subplots(1, 2)
     _components(left, run, exact)
     observables = (("T / J", kinetic_energy), ("|L| / (kg m²/s)", momentum_norm))
-    yours, trues = ([observable(motion["w"], BODY) for _, observable in observables] for motion in (run, exact))
+    yours, trues = (
+        [observable(motion["w"], BODY) for _, observable in observables] for motion in (run, exact)
+    )
     for (name, _), values, true, color in zip(observables, yours, trues, COLORS, strict=False):
         drift = np.abs(values / true[0] - 1).max()
         right.plot(run["t"], values, color=color, label=f"{name}, drift {drift:.2g}")
@@ -79,7 +81,8 @@ def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
 
 
 def _keep_exact_in_view(axes: Any, t: Any, yours: Any, exact: Any, least: float = np.inf) -> None:
-    """Limit the y axis to the exact values and half their range on both sides if the student's, (..., n), go farther.
+    """Limit the y axis to the exact values and half their range on both sides if the student's, (..., n), go
+    farther.
 
     A line marks the time at which they leave. ``least`` is a value that the axis shows too.
     """
@@ -95,7 +98,9 @@ def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None
     axes = canvas.add_subplot()
     for i in range(3):
         delta = np.abs(seen[0]["w"][i] - truth[0]["w"][i])
-        axes.semilogy(seen[0]["t"], np.maximum(delta, FLOOR), color=COLORS[i], lw=0.9, label=f"|Δω{'₁₂₃'[i]}|")
+        axes.semilogy(
+            seen[0]["t"], np.maximum(delta, FLOOR), color=COLORS[i], lw=0.9, label=f"|Δω{'₁₂₃'[i]}|"
+        )
     limit = float(as_closely(truth[0]).limit or 0.0) * float(np.linalg.norm(truth[0]["w"][:, 0]))
     axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:.3g}")
     axes.set(xlabel="t / s", ylabel="rad/s")
@@ -110,7 +115,12 @@ def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     ellipsoid = sphere * np.sqrt(2 * energy / np.array(BODY))[:, None, None]
     axes.plot_surface(*ellipsoid, color="0.6", alpha=0.15, linewidth=0, rstride=1, cstride=1)
     for number, (run, exact) in enumerate(zip(seen, truth, strict=True)):
-        axes.plot(*run["w"], color=COLORS[number], lw=1.8, label=f"yours, ω(0) = {np.round(run['w'][:, 0], 2).tolist()}")
+        axes.plot(
+            *run["w"],
+            color=COLORS[number],
+            lw=1.8,
+            label=f"yours, ω(0) = {np.round(run['w'][:, 0], 2).tolist()}",
+        )
         axes.plot(*exact["w"], **EXACT)
     cube_axes(axes, float(np.abs(ellipsoid).max()))
     axes.set(xlabel="ω₁", ylabel="ω₂", zlabel="ω₃")
@@ -128,7 +138,13 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
     if not inside.all():
         circle.set(xlim=(-reach, reach), ylim=(-reach, reach))
         circle.plot(
-            *run["w"][:2, max(int(inside.argmin()) - 1, 0)], "x", color=COLORS[2], ms=9, mew=2, clip_on=False, label="yours leaves"
+            *run["w"][:2, max(int(inside.argmin()) - 1, 0)],
+            "x",
+            color=COLORS[2],
+            ms=9,
+            mew=2,
+            clip_on=False,
+            label="yours leaves",
         )
     circle.set(xlabel="ω₁ / (rad/s)", ylabel="ω₂ / (rad/s)", aspect="equal")
     if np.isfinite(run["w"]).all():
@@ -140,7 +156,9 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
 def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     axes = canvas.add_subplot()
     for k, (run, exact) in enumerate(zip(seen, truth, strict=True)):
-        axes.semilogy(SPIN * run["t"], transverse(run["w"], k, SPIN), color=COLORS[k], label=f"spin about ê{'₁₂₃'[k]}")
+        axes.semilogy(
+            SPIN * run["t"], transverse(run["w"], k, SPIN), color=COLORS[k], label=f"spin about ê{'₁₂₃'[k]}"
+        )
         axes.semilogy(SPIN * exact["t"], transverse(exact["w"], k, SPIN), **EXACT)
     axes.axhline(NUDGE * np.sqrt(2), color="0.7", lw=0.8)
     axes.set_ylim(max(axes.get_ylim()[0], 1e-3 * NUDGE), min(axes.get_ylim()[1], 10.0))
@@ -150,7 +168,9 @@ def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     shares = np.linspace(0.0, 0.7, 6)
-    grid = canvas.subplots(len(seen), len(shares), subplot_kw={"projection": "3d"}, gridspec_kw={"wspace": 0, "hspace": 0})
+    grid = canvas.subplots(
+        len(seen), len(shares), subplot_kw={"projection": "3d"}, gridspec_kw={"wspace": 0, "hspace": 0}
+    )
     for row, run in enumerate(seen):
         for column, share in enumerate(shares):
             at = int(share * (len(run["t"]) - 1))
@@ -179,13 +199,17 @@ def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 def _upright(n: np.ndarray) -> np.ndarray:
     """Return the rotation (3, 3) that takes the unit vector ``n`` (3,), not −ê₃, to ê₃."""
     x, y, z = n
-    return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]])
+    return np.array(
+        [[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]]
+    )
 
 
 def _draw_box(axes: Any, R: np.ndarray, alpha: float = 1.0) -> None:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    faces = Poly3DCollection(box_polys(R, HALF_BOX), facecolors=FACE_COLORS, edgecolors="k", linewidths=0.4, alpha=alpha)
+    faces = Poly3DCollection(
+        box_polys(R, HALF_BOX), facecolors=FACE_COLORS, edgecolors="k", linewidths=0.4, alpha=alpha
+    )
     axes.add_collection3d(faces)
     cube_axes(axes, 0.85).set_axis_off()
 
@@ -195,56 +219,64 @@ SPINS = ("spin-min", "spin-mid", "spin-max")
 BOX = Figure(
     "box",
     "The box and its principal moments",
-    "A translucent box with its axes ê₁ amber, ê₂ blue, ê₃ red, and bars comparing your principal moments with the exact ones.",
+    "A translucent box with its axes ê₁ amber, ê₂ blue, ê₃ red, and bars comparing your principal moments"
+    " with the exact ones.",
     ("tensor",),
     _box,
 )
 OMEGA = Figure(
     "omega",
     "Angular velocity, and T and |L|, which stay constant",
-    "Left: the components of your ω against time, the exact motion dotted. Right: your T and |L| against time, the exact dotted.",
+    "Left: the components of your ω against time, the exact motion dotted. Right: your T and |L| against"
+    " time, the exact dotted.",
     ("torque-free",),
     _omega,
 )
 OMEGA_RESIDUAL = Figure(
     "omega-residual",
     "Distance from the exact motion",
-    "Absolute difference between your ω and the exact ω against time on a log axis, with the tolerance as a dashed line.",
+    "Absolute difference between your ω and the exact ω against time on a log axis, with the tolerance as a"
+    " dashed line.",
     ("torque-free",),
     _residual,
 )
 POLHODE = Figure(
     "polhode",
     "Polhodes on the energy ellipsoid",
-    "Three-dimensional curves of your ω on the translucent energy ellipsoid, the exact polhodes dotted over them.",
+    "Three-dimensional curves of your ω on the translucent energy ellipsoid, the exact polhodes dotted over"
+    " them.",
     ("torque-free", "polhode-3", "polhode-1"),
     _polhode,
 )
 PRECESSION = Figure(
     "precession",
     "Free precession in the body",
-    "Left: ω₁ blue, ω₂ orange and ω₃ red against time, the exact motion dotted. Right: the circle of ω₁ and ω₂, yours and exact.",
+    "Left: ω₁ blue, ω₂ orange and ω₃ red against time, the exact motion dotted. Right: the circle of ω₁ and"
+    " ω₂, yours and exact.",
     ("symmetric",),
     _precession,
 )
 GROWTH = Figure(
     "growth",
     "Growth of the transverse spin",
-    "Transverse angular velocity over the spin for spins about the three axes, on a log axis; only the intermediate one grows.",
+    "Transverse angular velocity over the spin for spins about the three axes, on a log axis; only the"
+    " intermediate one grows.",
     SPINS,
     _growth,
 )
 TUMBLE = Figure(
     "tumble",
     "Stills of the tumbling box",
-    "Three rows of six stills of the box, spun about its first, second and third axis by your equations; the second row tumbles.",
+    "Three rows of six stills of the box, spun about its first, second and third axis by your equations; the"
+    " second row tumbles.",
     SPINS,
     _tumble,
 )
 CONE = Figure(
     "cone",
     "The symmetry axis around L",
-    "Your body axis ê₃, red, and its path in space, a grey circle around the vertical L in amber; the exact path dotted.",
+    "Your body axis ê₃, red, and its path in space, a grey circle around the vertical L in amber; the exact"
+    " path dotted.",
     ("precession",),
     _cone,
 )

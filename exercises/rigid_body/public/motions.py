@@ -1,4 +1,6 @@
-"""The motions of exercises 2, 5 and 6 that can be played: the student's attitude R(t) and the exact one as boxes."""
+"""The motions of exercises 2, 5 and 6 that can be played: the student's attitude R(t) and the exact one as
+boxes.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +21,8 @@ def _half(I: ArrayLike) -> tuple[float, float, float]:
 TORQUE_FREE = Motion(
     "torque-free",
     "The body in space, turned by your equations",
-    "Two boxes turning side by side, yours and the exact one, with the angular momentum and the path of body axis ê₃.",
+    "Two boxes turning side by side, yours and the exact one, with the angular momentum and the path of body"
+    " axis ê₃.",
     "torque-free",
     _half(BODY),
     2,
@@ -29,7 +32,8 @@ SPINS = (
     Motion(
         "spin-least",
         "The book spun about ê₁, the axis of the least moment: stable",
-        "Two books side by side, yours and the exact one, spun about body axis ê₁, which stays near the angular momentum.",
+        "Two books side by side, yours and the exact one, spun about body axis ê₁, which stays near the"
+        " angular momentum.",
         "spin-min",
         _BOOK,
         0,
@@ -37,7 +41,8 @@ SPINS = (
     Motion(
         "tumble",
         "The book spun about ê₂, the intermediate axis: it tumbles",
-        "Two books side by side, yours and the exact one, spun about body axis ê₂, which turns over and back again.",
+        "Two books side by side, yours and the exact one, spun about body axis ê₂, which turns over and back"
+        " again.",
         "spin-mid",
         _BOOK,
         1,
@@ -45,7 +50,8 @@ SPINS = (
     Motion(
         "spin-greatest",
         "The book spun about ê₃, the axis of the greatest moment: stable",
-        "Two books side by side, yours and the exact one, spun about body axis ê₃, which stays near the angular momentum.",
+        "Two books side by side, yours and the exact one, spun about body axis ê₃, which stays near the"
+        " angular momentum.",
         "spin-max",
         _BOOK,
         2,
@@ -54,7 +60,8 @@ SPINS = (
 PRECESSION = Motion(
     "precession",
     "The free precession",
-    "Two symmetric boxes side by side, yours and the exact one; body axis ê₃ goes round the vertical angular momentum on a cone.",
+    "Two symmetric boxes side by side, yours and the exact one; body axis ê₃ goes round the vertical angular"
+    " momentum on a cone.",
     "precession",
     _half(SYMMETRIC),
     2,

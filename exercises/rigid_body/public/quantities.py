@@ -23,7 +23,8 @@ SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
 SYMMETRIC_RATE = 1.8  # rad/s, (I₃ − I₁)/I₁ · ω₃ with ω₃ = 3
 
 RTOL = 1e-11  # of the integrations in plays.py
-SAFETY = 10.0  # ten thousand motions of the right equations (make bench) use less than a tenth of the resulting limit
+# ten thousand motions of the right equations (make bench) use less than a tenth of the resulting limit
+SAFETY = 10.0
 
 
 def as_closely(truth: Arrays) -> Tolerance:

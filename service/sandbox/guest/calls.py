@@ -1,9 +1,11 @@
-"""Calls between the process of a submission and the one that holds reference functions, over a pair of sockets.
+"""Calls between the process of a submission and the one that holds reference functions, over a pair of
+sockets.
 
-A frame is its length, the length of its JSON header, the header, and the bytes of its arrays. Values that cross: None, numbers,
-texts, numpy arrays and numbers of real or complex type, lists, tuples, dicts, scipy's results, and functions, which the other
-process can call during the call that passes them. Of a random generator its methods DRAWS cross. Nothing is pickled: the reader of
-a frame runs only functions that it has exported or passed.
+A frame is its length, the length of its JSON header, the header, and the bytes of its arrays. Values that
+cross: None, numbers, texts, numpy arrays and numbers of real or complex type, lists, tuples, dicts, scipy's
+results, and functions, which the other process can call during the call that passes them. Of a random
+generator its methods DRAWS cross. Nothing is pickled: the reader of a frame runs only functions that it has
+exported or passed.
 """
 
 import builtins
@@ -40,9 +42,15 @@ DRAWS = (
     "uniform",
 )
 INVALID = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError, MemoryError)
-TYPES = {"call": ((str, tuple, dict), (int, tuple, dict)), "raise": ((str, str, int, int),)}  # of a frame's values, by its kind
+TYPES = {
+    "call": ((str, tuple, dict), (int, tuple, dict)),
+    "raise": ((str, str, int, int),),
+}  # of a frame's values, by its kind
 NOTHING: Mapping[str | int, Callable[..., Any]] = {}
-STOPPED = "the process of the reference functions stopped: they were called with values that need too much time or memory"
+STOPPED = (
+    "the process of the reference functions stopped: they were called with values that need too much time or"
+    " memory"
+)
 
 
 class Draws(SimpleNamespace):
@@ -52,16 +60,21 @@ class Draws(SimpleNamespace):
 class Channel:
     """One end of a pair of sockets. ``exported`` are the functions that the other end may call by name.
 
-    With ``exits`` the process exits when the other end is closed, and with the code MALFORMED when a frame is invalid. ``lost`` is
-    True once the other process has ended or a call was broken off: nothing can be called any more.
+    With ``exits`` the process exits when the other end is closed, and with the code MALFORMED when a frame is
+    invalid. ``lost`` is True once the other process has ended or a call was broken off: nothing can be called
+    any more.
     """
 
-    def __init__(self, fd: int, exported: Mapping[str | int, Callable[..., Any]] = NOTHING, *, exits: bool = False) -> None:
+    def __init__(
+        self, fd: int, exported: Mapping[str | int, Callable[..., Any]] = NOTHING, *, exits: bool = False
+    ) -> None:
         self._fd, self._exits, self.lost = fd, exits, False
         self._incoming = open(fd, "rb", closefd=False)  # noqa: SIM115 -- lives as long as the channel
         self._functions = dict(exported)
         self._passed = self._received = self._open = self._raised = 0
-        self._exception: BaseException | None = None  # the last one that a function of this end raised, number ``_raised``
+        self._exception: BaseException | None = (
+            None  # the last one that a function of this end raised, number ``_raised``
+        )
 
     def proxy(self, target: str | int, name: str) -> Callable[..., Any]:
         """Return a function that calls the other end's function ``target``."""
@@ -73,7 +86,9 @@ class Channel:
         return proxy
 
     def call(self, target: str | int, /, *values: Any, **named: Any) -> Any:
-        """Call a function of the other end, and answer its calls meanwhile. Raises what that function raises."""
+        """Call a function of the other end, and answer its calls meanwhile.
+        Raises what that function raises.
+        """
         if self.lost:
             raise RuntimeError(STOPPED)
         if self._open >= MOST_OPEN:
@@ -116,12 +131,18 @@ class Channel:
         self._send(frame)
 
     def _error(self, name: str, text: str, theirs: int, own: int) -> BaseException:
-        """Return the exception to raise: the one of this end that the other end passes on, else one of the same built-in class."""
+        """Return the exception to raise: the one of this end that the other end passes on, else one of the
+        same built-in class.
+        """
         if own == self._raised and self._exception is not None:
             return self._exception
         kind = getattr(builtins, name, None)
         try:
-            error = kind(text) if isinstance(kind, type) and issubclass(kind, Exception) else RuntimeError(f"{name}: {text}")
+            error = (
+                kind(text)
+                if isinstance(kind, type) and issubclass(kind, Exception)
+                else RuntimeError(f"{name}: {text}")
+            )
         except TypeError:  # UnicodeDecodeError, for example, needs more arguments
             error = RuntimeError(f"{name}: {text}")
         error.number_at_other_end = theirs  # type: ignore[attr-defined]
@@ -162,7 +183,9 @@ class Channel:
         raise RuntimeError(STOPPED)
 
     def _pack(self, kind: str, *values: Any) -> bytes:
-        """Return a frame. Raises TypeError for a value that cannot cross, and ValueError for values that are too large."""
+        """Return a frame. Raises TypeError for a value that cannot cross, and ValueError for values that are
+        too large.
+        """
         arrays: list[bytes] = []
         header = json.dumps([kind, *[self._node(value, arrays, 0) for value in values]]).encode()
         length = len(header) + sum(map(len, arrays))
@@ -171,7 +194,9 @@ class Channel:
         return b"".join([HEAD.pack(length, len(header)), header, *arrays])
 
     def _node(self, value: Any, arrays: list[bytes], depth: int) -> Any:
-        """Return a value as JSON and append the bytes of its arrays. Each list begins with the kind of what it stands for."""
+        """Return a value as JSON and append the bytes of its arrays. Each list begins with the kind of what
+        it stands for.
+        """
         if value is None or type(value) in (bool, int, float, str):
             return value
         if depth > MOST_NESTED:
@@ -197,7 +222,9 @@ class Channel:
             node = ["function", self._passed, str(getattr(value, "__name__", "function"))]
             self._passed += 1
         else:
-            raise TypeError(f"your functions and the reference cannot exchange a value of type {type(value).__name__}")
+            raise TypeError(
+                f"your functions and the reference cannot exchange a value of type {type(value).__name__}"
+            )
         return node
 
     def _unpack(self, header: bytes, raw: bytes) -> list[Any]:

@@ -28,7 +28,8 @@ _getframe = sys._getframe  # a submission can replace it
 
 
 class Recorder:
-    """Recorder of the claims in each ``cell``. A claim that is too large is kept without its arrays, with the reason.
+    """Recorder of the claims in each ``cell``. A claim that is too large is kept without its arrays, with the
+    reason.
 
     Claims are sent between cells, because a cell's time may run out in the middle of a frame.
     """
@@ -56,7 +57,9 @@ class Recorder:
 
     @contextmanager
     def in_place(self, student: dict[str, Any]) -> Iterator[None]:
-        """Let a published cell that runs inside the ``with`` block find the private copy of ``ecp.validate``."""
+        """Let a published cell that runs inside the ``with`` block find the private copy of
+        ``ecp.validate``.
+        """
         theirs = student.get("validate", validate)
         student["validate"] = ecp.validate = self.validate
         sys.modules |= {"ecp": ecp, "ecp.validate": self.validate}
@@ -86,12 +89,18 @@ class Recorder:
         arrays = {} if left_out or claim.unfit else claim.arrays
         self._numbers[self.places] += size if arrays else 0
         header: dict[str, Any] = {name: getattr(claim, name) for name in ("kind", "label", "detail", "unfit")}
-        header |= {"cell": self.cell, "left_out": left_out, "numbers": {k: float(v) for k, v in claim.numbers.items()}}
+        header |= {
+            "cell": self.cell,
+            "left_out": left_out,
+            "numbers": {k: float(v) for k, v in claim.numbers.items()},
+        }
         header |= {} if place is None else {"place": place}
         self._unsent.append((header, arrays))
 
     def _kept(self, place: tuple[str, int, int]) -> tuple[bool, str]:
-        """Return whether a claim made there is sent, and why without its arrays: the first one beyond a limit is sent."""
+        """Return whether a claim made there is sent, and why without its arrays: the first one beyond a limit
+        is sent.
+        """
         if self._all_reported < MOST_REPORTED and self._reported[place] < MOST_AT_PLACE:
             self._reported[place] += 1
             self._all_reported += 1
@@ -117,7 +126,9 @@ class Recorder:
 
 
 def _place(cell: str) -> list[int]:
-    """Return line and column, of the cell that runs, of the call that is in progress; [0, 0] if it does not run."""
+    """Return line and column, of the cell that runs, of the call that is in progress; [0, 0] if it does not
+    run.
+    """
     frame: FrameType | None = _getframe()
     while frame is not None and frame.f_code.co_filename != cell:
         frame = frame.f_back

@@ -1,4 +1,6 @@
-"""Stubs of a notebook front end, so that cells that display something run in the sandbox and display nothing."""
+"""Stubs of a notebook front end, so that cells that display something run in the sandbox and display
+nothing.
+"""
 
 import sys
 from collections.abc import Iterator
@@ -7,12 +9,15 @@ from typing import Any
 import ecp
 
 MODULES = ("IPython", "IPython.core", "IPython.core.display", "IPython.display")
-# Functions of the kit that do nothing here: a notebook that checks and submits itself must not do so while it is graded.
+# Functions of the kit that do nothing here: a notebook that checks and submits itself must not do so while it
+# is graded.
 NOTEBOOK_ONLY = ("attempts", "check", "connect", "login", "logout", "submissions", "submit")
 
 
 def install_stubs(names: dict[str, Any]) -> None:
-    """Add IPython's modules and a notebook's names of it, and disable the functions NOTEBOOK_ONLY of the kit."""
+    """Add IPython's modules and a notebook's names of it, and disable the functions NOTEBOOK_ONLY of the
+    kit.
+    """
     sys.modules |= dict.fromkeys(MODULES, NOTHING)
     names |= {"display": NOTHING, "get_ipython": NOTHING}
     for name in NOTEBOOK_ONLY:
@@ -20,7 +25,9 @@ def install_stubs(names: dict[str, Any]) -> None:
 
 
 class _Nothing(int):
-    """The stub of every module and function: true, a number, and its every attribute, call and item is itself."""
+    """The stub of every module and function: true, a number, and its every attribute, call and item is
+    itself.
+    """
 
     __path__ = ()
     version_info = (9, 0)  # matplotlib asks IPython for it

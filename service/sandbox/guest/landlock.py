@@ -1,7 +1,7 @@
 """Landlock rules: open only the named files, write to none, use no TCP port, signal no process outside.
 
-Kernel documentation: Documentation/userspace-api/landlock.rst; numbers: <linux/landlock.h>. Version 1 suffices: what it
-does not govern (truncation, TCP, signals), the system call filter denies.
+Kernel documentation: Documentation/userspace-api/landlock.rst; numbers: <linux/landlock.h>. Version 1
+suffices: what it does not govern (truncation, TCP, signals), the system call filter denies.
 """
 
 import ctypes
@@ -15,7 +15,9 @@ from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT, syscall
 WRITE_FILE, READ_FILE, READ_DIR = 1 << 1, 1 << 2, 1 << 3
 SINK = "/dev/null"  # the only file that may be written to
 VERSION_QUERY, PATH_BENEATH = 1, 1
-PATH_BENEATH_ATTR = struct.Struct("=Qi")  # struct landlock_path_beneath_attr, packed: rights, descriptor of the parent
+PATH_BENEATH_ATTR = struct.Struct(
+    "=Qi"
+)  # struct landlock_path_beneath_attr, packed: rights, descriptor of the parent
 # Rights of the file system governed by each version: 1 has 13, 2 adds REFER, 3 TRUNCATE, 5 IOCTL_DEV.
 FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
 NEWEST_FILE_RIGHTS = 16

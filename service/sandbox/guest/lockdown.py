@@ -1,4 +1,5 @@
-"""The layers that a child applies before it reads a submission. Every step raises on failure, which ends the play.
+"""The layers that a child applies before it reads a submission. Every step raises on failure, which ends the
+play.
 
 Numbers: prctl(2) options from <linux/prctl.h>, the capability header from <linux/capability.h>.
 """
@@ -30,16 +31,22 @@ LIMITS = {
     resource.RLIMIT_MEMLOCK: 0,
     resource.RLIMIT_MSGQUEUE: 0,
 }
-KEEP_IGNORED = {signal.SIGPIPE, signal.SIGXFSZ}  # Python turns these into exceptions; their defaults would kill
+KEEP_IGNORED = {
+    signal.SIGPIPE,
+    signal.SIGXFSZ,
+}  # Python turns these into exceptions; their defaults would kill
 
 
 class Layers:
-    """The ``layers`` that each child applies, of "landlock", "seccomp" and "limits". The zygote prepares them once.
+    """The ``layers`` that each child applies, of "landlock", "seccomp" and "limits". The zygote prepares them
+    once.
 
     A child keeps the open ``folders`` (/proc/self/fd/N), through which it finds files below closed ones.
     """
 
-    def __init__(self, layers: list[str], readable: list[str], listable: list[str], folders: Sequence[str] = ()) -> None:
+    def __init__(
+        self, layers: list[str], readable: list[str], listable: list[str], folders: Sequence[str] = ()
+    ) -> None:
         self._limits = "limits" in layers
         self._rules = landlock.ruleset(readable, listable) if "landlock" in layers else None
         self._folders = [int(os.path.basename(folder)) for folder in folders]
@@ -53,8 +60,9 @@ class Layers:
     def apply(self, places: Mapping[int, int], cpu_s: int) -> None:
         """Apply the layers to this process, which cannot undo them, and close all files except ``places``.
 
-        ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there. The kernel ends this
-        process after ``cpu_s`` seconds of CPU time, or a second later if it ignores the signal.
+        ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there.
+        The kernel ends this process after ``cpu_s`` seconds of CPU time, or a second later if it ignores the
+        signal.
         """
         os.setpgid(0, 0)  # not a new session, which would be scheduled as a group of its own
         self.close_all_but(places)
@@ -76,13 +84,17 @@ class Layers:
             seccomp.install(self._machine, self._filter, os.getpid())
 
     def limit(self) -> None:
-        """Apply the limits other than that of CPU time: of memory, and no other process or thread, among others."""
+        """Apply the limits other than that of CPU time: of memory, and no other process or thread, among
+        others.
+        """
         if self._limits:
             for which, limit in LIMITS.items():
                 resource.setrlimit(which, (limit, limit))
 
     def close_all_but(self, places: Mapping[int, int]) -> None:
-        """Move open descriptors to ``places`` and close all others, except those that ``apply`` and a child need."""
+        """Move open descriptors to ``places`` and close all others, except those that ``apply`` and a child
+        need.
+        """
         # Move the descriptors above all places first, so that none overwrites another.
         high = {place: _above(fd) for place, fd in places.items()}
         if self._rules is not None:
@@ -97,7 +109,9 @@ class Layers:
 
 
 def die_with_parent(parent: int | None = None) -> None:
-    """Kill this process when the thread that started it ends. Exit now if its parent is not ``parent`` any more."""
+    """Kill this process when the thread that started it ends. Exit now if its parent is not ``parent`` any
+    more.
+    """
     call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if parent is not None and os.getppid() != parent:
         os._exit(1)
@@ -119,7 +133,11 @@ def identity() -> dict[str, Any]:
     sets: Any = (ctypes.c_uint32 * 6)()  # effective, permitted and inheritable, twice 32 bits each
     call("capget", header, sets)
     capabilities = [n for n in range(64) if any(sets[n // 32 * 3 + kind] >> n % 32 & 1 for kind in range(3))]
-    return {"users": os.getresuid(), "groups": [*os.getresgid(), *os.getgroups()], "capabilities": capabilities}
+    return {
+        "users": os.getresuid(),
+        "groups": [*os.getresgid(), *os.getgroups()],
+        "capabilities": capabilities,
+    }
 
 
 def _above(fd: int) -> int:

@@ -17,7 +17,9 @@ DEFINITIONS = (*DEFINITION, ast.Import, ast.ImportFrom)
 
 
 def runnable(source: str, name: str) -> types.CodeType:
-    """Compile a cell under the file name ``name``. Magics are removed only from a cell that is not valid Python."""
+    """Compile a cell under the file name ``name``. Magics are removed only from a cell that is not valid
+    Python.
+    """
     return _compiled(source, name, 0)
 
 
@@ -40,25 +42,30 @@ def _compiled(source: str, name: str, flags: int) -> Any:
 
 
 def pieces(source: str) -> list[str]:
-    """Split a py:percent file into its cells, so that one that fails does not affect the others. Line numbers are kept.
+    """Split a py:percent file into its cells, so that one that fails does not affect the others. Line numbers
+    are kept.
 
     A valid Python file is not split if one of its cells is invalid: then a cell mark is part of a string.
     """
     bounds = [0, *(mark.start() for mark in MARK.finditer(source)), len(source)]
     if not 2 < len(bounds) <= MOST_PIECES:
         return [source]
-    found = ["\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)]
+    found = [
+        "\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)
+    ]
     return [source] if _is_python(source) and not all(map(_is_python, found)) else found
 
 
 def needed_sources(sources: Iterable[str], names: Collection[str]) -> set[str]:
     """Return the sources that bind one of ``names`` or of the names that such sources use.
 
-    Those that are no valid Python and those that import * are among them, as their names are not known. A source that changes an
-    object without binding its name is left out.
+    Those that are no valid Python and those that import * are among them, as their names are not known. A
+    source that changes an object without binding its name is left out.
     """
     found = {source: names_in(source) for source in sources}
-    needed = {source for source, its in found.items() if "import *" in source or not its.bound | its.now | its.later}
+    needed = {
+        source for source, its in found.items() if "import *" in source or not its.bound | its.now | its.later
+    }
     wanted, grown = set(names), True
     while grown:
         more = {source for source, its in found.items() if its.bound & wanted} - needed

@@ -1,4 +1,6 @@
-"""The program of the child that holds reference functions: the right solutions of earlier questions. It runs no submission."""
+"""The program of the child that holds reference functions: the right solutions of earlier questions. It runs
+no submission.
+"""
 
 import numpy as np
 
@@ -17,6 +19,9 @@ def run(job_fd: int, calls_fd: int) -> None:
         exec(compile(job["source"], "solution.py", "exec"), names)
         exported, error = {name: names[name] for name in job["names"]}, ""
     except BaseException as raised:
-        exported, error = {}, f"the right solutions: {describe_exception(raised, lambda file: False)['sentence']}"
+        exported, error = (
+            {},
+            f"the right solutions: {describe_exception(raised, lambda file: False)['sentence']}",
+        )
     with np.errstate(all="ignore"):
         Channel(calls_fd, exported | {LOADED: lambda: error}, exits=True).serve()

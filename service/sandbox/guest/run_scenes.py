@@ -41,7 +41,9 @@ PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animatio
 
 
 class OutOfTime(BaseException):
-    """The budget of a scene is spent. Not an Exception, so that a broad ``except`` in a submission does not swallow it."""
+    """The budget of a scene is spent. Not an Exception, so that a broad ``except`` in a submission does not
+    swallow it.
+    """
 
 
 class Budget:
@@ -59,13 +61,17 @@ class Budget:
         """Return a sentence that names the exceeded limit."""
         if process_time() >= self._cpu:
             return f"your code used more than {self.seconds:g} s of CPU time"
-        return f"your code did not finish within {CLOCK_FACTOR * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
+        return (
+            f"your code did not finish within {CLOCK_FACTOR * self.seconds:g} s (of which it may compute"
+            f" {self.seconds:g} s)"
+        )
 
 
 def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     """Play the job. Each scene's arrays and scene end are sent before the next scene starts.
 
-    With ``calls_fd`` another process holds functions that stand for those of the submission with the same names.
+    With ``calls_fd`` another process holds functions that stand for those of the submission with the same
+    names.
     """
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
@@ -82,7 +88,9 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
 
 
 def load(setup: str, plays: str) -> None:
-    """Load the setup and the plays that this process keeps by these names, before the job that has them arrives."""
+    """Load the setup and the plays that this process keeps by these names, before the job that has them
+    arrives.
+    """
     parts = {"setup": kept(setup), "plays": kept(plays)}
     _in_advance.append((parts, _loaded(parts)))
 
@@ -92,7 +100,9 @@ _in_advance = list[tuple[dict[str, Any], Loaded]]()
 
 
 def _loaded(job: dict[str, Any]) -> Loaded:
-    """Return the names that the job's plays define, a function as ``_load_plays`` returns it, and the namespace after its setup."""
+    """Return the names that the job's plays define, a function as ``_load_plays`` returns it, and the
+    namespace after its setup.
+    """
     if _in_advance:
         parts, loaded = _in_advance.pop()
         if all(part is job[name] for name, part in parts.items()):
@@ -109,7 +119,9 @@ def code(job: dict[str, Any], name: str) -> types.CodeType:
 
 
 class Reference:
-    """Functions of another process by name, in place of those of the submission. Raises AuthorError if they cannot be loaded."""
+    """Functions of another process by name, in place of those of the submission. Raises AuthorError if they
+    cannot be loaded.
+    """
 
     def __init__(self, calls_fd: int, names: list[str]) -> None:
         self.channel = Channel(calls_fd)
@@ -141,7 +153,13 @@ def _run(
             continue
         if absent := _missing(scene, student, job["variables"]):
             write.event("start", scene=scene["name"])
-            write.event("scene", scene=scene["name"], ended="missing-function", code="missing-function", sentence=absent)
+            write.event(
+                "scene",
+                scene=scene["name"],
+                ended="missing-function",
+                code="missing-function",
+                sentence=absent,
+            )
         elif _play(scene, plays, student, questions, write, unchanged=unchanged):
             finished.add(scene["name"])
         if reference is not None and reference.channel.lost:
@@ -155,7 +173,13 @@ def _missing(scene: dict[str, Any], student: Names, variables: list[str]) -> str
 
 
 def _play(
-    scene: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer, *, unchanged: Callable[[], None]
+    scene: dict[str, Any],
+    plays: Names,
+    student: Names,
+    questions: Questions,
+    write: Writer,
+    *,
+    unchanged: Callable[[], None],
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
@@ -191,13 +215,17 @@ def copy_modules() -> None:
 
 
 def rehearse() -> None:
-    """Do what each play begins with, without a play, so that the memory it writes to is this process's own before the play."""
+    """Do what each play begins with, without a play, so that the memory it writes to is this process's own
+    before the play.
+    """
     _, unchanged = _load_plays("", compile("", FILES["plays"], "exec"))
     unchanged()
 
 
 class _Private(NamedTuple):
-    """Copies of the modules that plays use, and of numpy, which a submission cannot replace by their names, and their seal."""
+    """Copies of the modules that plays use, and of numpy, which a submission cannot replace by their names,
+    and their seal.
+    """
 
     modules: dict[str, types.ModuleType]
     numpy: types.ModuleType
@@ -210,7 +238,10 @@ def _private(kinds: bool) -> _Private:
 
     The recorder gets the seal's check by the name ``unchanged``.
     """
-    names = (*PRIVATE, *(sorted(name for name in sys.modules if name.startswith(KINDS_MODULE)) if kinds else ()))
+    names = (
+        *PRIVATE,
+        *(sorted(name for name in sys.modules if name.startswith(KINDS_MODULE)) if kinds else ()),
+    )
     own, seal = types.ModuleType("numpy"), Seal()
     own.__dict__.update(vars(np))
     with private_modules(names) as modules:
@@ -225,7 +256,8 @@ def _private(kinds: bool) -> _Private:
 
 
 def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], None]]:
-    """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has been replaced.
+    """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has
+    been replaced.
 
     plays.py gets its own numpy and kit modules.
     """
@@ -249,7 +281,9 @@ def prepare(setup: types.CodeType) -> Names:
 
 
 def _adopt(plays: Names, student: Names, shows: str) -> Names:
-    """Return functions that plays.py makes from the animation of the cell ``shows``, for those the student did not write."""
+    """Return functions that plays.py makes from the animation of the cell ``shows``, for those the student
+    did not write.
+    """
     try:
         made = plays["adopt"](student, shows) if shows and "adopt" in plays else {}
     except Exception:  # treat a notebook that plays.py cannot handle like one without an animation
@@ -257,12 +291,15 @@ def _adopt(plays: Names, student: Names, shows: str) -> Names:
     return {name: function for name, function in made.items() if not is_written(student.get(name))}
 
 
-def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer, kept: Names) -> str:
-    """Run the cells in order, as a notebook does, and report those that fail. A failure does not stop the next cell.
+def _load_submission(
+    student: Names, job: dict[str, Any], recorder: Recorder, write: Writer, kept: Names
+) -> str:
+    """Run the cells in order, as a notebook does, and report those that fail. A failure does not stop the
+    next cell.
 
-    When their time is spent, the cell that used it up and those after it only define their functions and classes. Names in
-    ``kept`` keep their values, whatever the cells assign to them. Return the source of the last cell that showed an animation, or
-    an empty string.
+    When their time is spent, the cell that used it up and those after it only define their functions and
+    classes. Names in ``kept`` keep their values, whatever the cells assign to them. Return the source of the
+    last cell that showed an animation, or an empty string.
     """
     budget, shows, left = Budget(job["load_budget_s"]), "", Budget(DEFINITIONS_S)
     animations = () if unused_libraries.lacks("matplotlib") else sys.modules["matplotlib.animation"].Animation
@@ -300,8 +337,12 @@ def _needed_pieces(job: dict[str, Any]) -> set[str]:
     return needed_sources(sources, names) if len(sources) > 1 else set(sources)
 
 
-def _execute(source: str, name: str, student: Names, kept: Names, kinds: tuple[type, ...] = (ast.stmt,)) -> None:
-    """Execute the statements of these ``kinds``. Names in ``kept`` have their values again after each statement."""
+def _execute(
+    source: str, name: str, student: Names, kept: Names, kinds: tuple[type, ...] = (ast.stmt,)
+) -> None:
+    """Execute the statements of these ``kinds``. Names in ``kept`` have their values again after each
+    statement.
+    """
     whole = not kept and kinds == (ast.stmt,)
     for code in [runnable(source, name)] if whole else statements(source, name, kinds):
         exec(code, student)
@@ -332,7 +373,10 @@ def _run_limited(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
 
 def _author_error(error: BaseException) -> str | None:
     try:
-        return author_error(error, lambda name: _is_of_submission(name) or (name[:1] == "<" and not name.startswith("<frozen")))
+        return author_error(
+            error,
+            lambda name: _is_of_submission(name) or (name[:1] == "<" and not name.startswith("<frozen")),
+        )
     except BaseException:  # its own __str__ fails, for example
         return None
 

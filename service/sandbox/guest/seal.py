@@ -1,4 +1,6 @@
-"""A seal on the code that calls a submission and records what it draws: detects that the submission has replaced part of it."""
+"""A seal on the code that calls a submission and records what it draws: detects that the submission has
+replaced part of it.
+"""
 
 import functools
 import importlib
@@ -16,8 +18,8 @@ REPLACED = "your code replaces {name}, a part of polhode's checks: remove that"
 class Seal:
     """The names of some namespaces, the code of their functions, and the attributes of their own classes.
 
-    What runs in the submission's process cannot be protected from it; the seal shows a change that is still there. Names may be
-    added, as Python itself does.
+    What runs in the submission's process cannot be protected from it; the seal shows a change that is still
+    there. Names may be added, as Python itself does.
     """
 
     def __init__(self) -> None:
@@ -27,7 +29,9 @@ class Seal:
     def close(self, namespaces: Iterable[Mapping[str, Any]], modules: Collection[str]) -> None:
         """Add the present state of ``namespaces`` and of those of their classes that ``modules`` define."""
         spaces = tuple(namespaces)
-        classes = [v for space in spaces for v in space.values() if isinstance(v, type) and v.__module__ in modules]
+        classes = [
+            v for space in spaces for v in space.values() if isinstance(v, type) and v.__module__ in modules
+        ]
         for space in (*spaces, *map(vars, classes)):
             self.close_names(space, space)
 
@@ -52,7 +56,9 @@ class Seal:
 
 @contextmanager
 def private_modules(names: tuple[str, ...]) -> Iterator[dict[str, types.ModuleType]]:
-    """Put copies of the modules ``names``, which a submission cannot replace, in their place for the ``with`` block."""
+    """Put copies of the modules ``names``, which a submission cannot replace, in their place for the ``with``
+    block.
+    """
     with in_place(copies := _copies(names)):
         yield copies
 
@@ -68,12 +74,16 @@ def _copies(names: tuple[str, ...]) -> dict[str, types.ModuleType]:
 
 def names_used(code: types.CodeType) -> set[str]:
     """Return the names and attributes that code uses."""
-    return set(code.co_names).union(*(names_used(part) for part in code.co_consts if isinstance(part, types.CodeType)))
+    return set(code.co_names).union(
+        *(names_used(part) for part in code.co_consts if isinstance(part, types.CodeType))
+    )
 
 
 @contextmanager
 def in_place(modules: Mapping[str, types.ModuleType]) -> Iterator[None]:
-    """Import these modules by their names in the ``with`` block. Afterwards the former ones are there again."""
+    """Import these modules by their names in the ``with`` block.
+    Afterwards the former ones are there again.
+    """
     former = {name: importlib.import_module(name) for name in modules}
     try:
         _put(modules)

@@ -1,8 +1,9 @@
-"""The system call filter (seccomp-BPF): an allow-list that the zygote builds once and each child applies as its last layer.
+"""The system call filter (seccomp-BPF): an allow-list that the zygote builds once and each child applies as
+its last layer.
 
-Kernel documentation: Documentation/userspace-api/seccomp_filter.rst; instructions: <linux/bpf_common.h>. A call of another ABI
-kills the process. A newer, unknown call fails with ENOSYS, so that the C library falls back, a new thread with EAGAIN, and all
-others with EPERM.
+Kernel documentation: Documentation/userspace-api/seccomp_filter.rst; instructions: <linux/bpf_common.h>. A
+call of another ABI kills the process. A newer, unknown call fails with ENOSYS, so that the C library falls
+back, a new thread with EAGAIN, and all others with EPERM.
 """
 
 import ctypes
@@ -17,23 +18,42 @@ NUMBER, ARCHITECTURE, ARGUMENTS = 0, 4, 16  # offsets in struct seccomp_data
 SET_MODE_FILTER = 1
 OWN_PID = 0x7FFFFFF1  # placeholder for the child's process id, which ``install`` fills in
 
-PR_GET_NAME, PR_SET_VMA = 16, 0x53564D41  # PR_SET_NAME would let a submission choose its name in the host's list of processes
+PR_GET_NAME, PR_SET_VMA = (
+    16,
+    0x53564D41,
+)  # PR_SET_NAME would let a submission choose its name in the host's list of processes
 TCGETS, FIOCLEX = 0x5401, 0x5451
 F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC = 0, 1, 2, 3, 4, 1030
 ITIMER_REAL = 0
-CLOCKS = 12  # CLOCK_REALTIME (0) to CLOCK_TAI (11); the ids above are the CPU clocks of other processes, and clock devices
+# CLOCK_REALTIME (0) to CLOCK_TAI (11); the ids above are the CPU clocks of other processes, and clock devices
+CLOCKS = 12
 O_ACCMODE, O_TRUNC = 0o3, 0o1000
 
 
 def program(machine: Machine) -> bytes:
     """Return the filter for a machine, as an array of struct sock_filter."""
     refuse = FAIL | errno.EPERM
-    code = [_step(LOAD, ARCHITECTURE), _step(EQUAL, machine.audit, 1, 0), _step(RETURN, KILL), _step(LOAD, NUMBER)]
+    code = [
+        _step(LOAD, ARCHITECTURE),
+        _step(EQUAL, machine.audit, 1, 0),
+        _step(RETURN, KILL),
+        _step(LOAD, NUMBER),
+    ]
     if machine.foreign is not None:
         code += [_step(AT_LEAST, machine.foreign, 0, 1), _step(RETURN, KILL)]
     own = _only(0, (0, OWN_PID), refuse)
-    read_only = [_step(LOAD, ARGUMENTS + 16), _step(EQUAL, 0, 0, 3), _step(LOAD, ARGUMENTS + 20), _step(EQUAL, 0, 0, 1)]
-    clock = [_step(LOAD, ARGUMENTS), _step(AT_LEAST, CLOCKS, 0, 1), _step(RETURN, refuse), _step(RETURN, ALLOW)]
+    read_only = [
+        _step(LOAD, ARGUMENTS + 16),
+        _step(EQUAL, 0, 0, 3),
+        _step(LOAD, ARGUMENTS + 20),
+        _step(EQUAL, 0, 0, 1),
+    ]
+    clock = [
+        _step(LOAD, ARGUMENTS),
+        _step(AT_LEAST, CLOCKS, 0, 1),
+        _step(RETURN, refuse),
+        _step(RETURN, ALLOW),
+    ]
     rules = {
         "open": _no_truncation(1),
         "openat": _no_truncation(2),
@@ -61,7 +81,12 @@ def install(machine: Machine, filter: bytes, pid: int) -> None:
     """Apply the filter to this process. Needs no_new_privs. Raises OSError if the kernel refuses."""
     own = filter.replace(struct.pack("<I", OWN_PID), struct.pack("<I", pid))
     buffer = ctypes.create_string_buffer(own, len(own))
-    syscall(machine.narrow["seccomp"], SET_MODE_FILTER, 0, ctypes.byref(_Program(len(own) // 8, ctypes.addressof(buffer))))
+    syscall(
+        machine.narrow["seccomp"],
+        SET_MODE_FILTER,
+        0,
+        ctypes.byref(_Program(len(own) // 8, ctypes.addressof(buffer))),
+    )
 
 
 class _Program(ctypes.Structure):
@@ -75,14 +100,21 @@ def _step(code: int, k: int, if_true: int = 0, if_false: int = 0) -> bytes:
 
 
 def _rule(number: int, body: list[bytes]) -> list[bytes]:
-    """Return the steps that run ``body`` for that system call. ``body`` always returns, so the number need not be loaded again."""
+    """Return the steps that run ``body`` for that system call. ``body`` always returns, so the number need
+    not be loaded again.
+    """
     return [_step(EQUAL, number, 0, len(body)), *body]
 
 
 def _no_truncation(argument: int) -> list[bytes]:
     """Deny O_TRUNC on a file opened for reading, which Landlock before version 3 allows."""
     tests = [_step(ANY_BIT, O_TRUNC, 0, 1), _step(ANY_BIT, O_ACCMODE, 0, 1)]
-    return [_step(LOAD, ARGUMENTS + 8 * argument), *tests, _step(RETURN, ALLOW), _step(RETURN, FAIL | errno.EACCES)]
+    return [
+        _step(LOAD, ARGUMENTS + 8 * argument),
+        *tests,
+        _step(RETURN, ALLOW),
+        _step(RETURN, FAIL | errno.EACCES),
+    ]
 
 
 def _only(argument: int, values: tuple[int, ...], otherwise: int) -> list[bytes]:

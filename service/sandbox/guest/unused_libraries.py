@@ -1,8 +1,9 @@
-"""Names of SciPy and matplotlib without these libraries, whose imports are most of the start of a guest that grades one file.
+"""Names of SciPy and matplotlib without these libraries, whose imports are most of the start of a guest that
+grades one file.
 
-A submission may import these names and store them. Every use of one, and every import that may fail, ends the child with the exit
-code of its library (NEEDED): the zygote then imports the library, and the host plays the job again. So a submission gets the same
-results.
+A submission may import these names and store them. Every use of one, and every import that may fail, ends the
+child with the exit code of its library (NEEDED): the zygote then imports the library, and the host plays the
+job again. So a submission gets the same results.
 """
 
 import importlib
@@ -31,12 +32,16 @@ USUAL = {
 }
 """Names that notebooks often import, by module."""
 KINDS = (complex, int, list, set, type)
-OPERATIONS = {name for kind in KINDS for name, value in vars(kind).items() if isinstance(value, WrapperDescriptorType)}
+OPERATIONS = {
+    name for kind in KINDS for name, value in vars(kind).items() if isinstance(value, WrapperDescriptorType)
+}
 OPERATIONS |= {"__getitem__", "__instancecheck__", "__subclasscheck__"}
 
 
 def install() -> None:
-    """Let the children of this process import the names of LIBRARIES instead of these. It makes those in USUAL now."""
+    """Let the children of this process import the names of LIBRARIES instead of these. It makes those in
+    USUAL now.
+    """
     sys.meta_path.insert(0, _finder)
     for name, values in USUAL.items():
         module = importlib.import_module(name)
@@ -60,11 +65,16 @@ def _needs(library: str) -> Callable[..., NoReturn]:
     return lambda *args, **kwargs: os._exit(NEEDED[library])
 
 
-_NAMES = {library: type("_Name", (), dict.fromkeys(OPERATIONS - {"__init__"}, _needs(library))) for library in NEEDED}
+_NAMES = {
+    library: type("_Name", (), dict.fromkeys(OPERATIONS - {"__init__"}, _needs(library)))
+    for library in NEEDED
+}
 
 
 class _Settings:
-    """``rcParams``. Ignores what the assignment's Setup and the kit's style set, which is valid: nothing is drawn."""
+    """``rcParams``. Ignores what the assignment's Setup and the kit's style set, which is valid: nothing is
+    drawn.
+    """
 
     def __setitem__(self, name: str, value: object) -> None:
         self._ignore()
@@ -92,8 +102,12 @@ class _Module(ModuleType):
         return value
 
     def _value(self, name: str, library: str) -> Any:
-        if PathFinder.find_spec(f"{self.__name__}.{name}", getattr(self.__spec__, "submodule_search_locations", None) or []):
-            return importlib.import_module(f"{self.__name__}.{name}")  # a zygote with matplotlib has imported most of them
+        if PathFinder.find_spec(
+            f"{self.__name__}.{name}", getattr(self.__spec__, "submodule_search_locations", None) or []
+        ):
+            return importlib.import_module(
+                f"{self.__name__}.{name}"
+            )  # a zygote with matplotlib has imported most of them
         source = _source(self)
         if passed := re.search(rf"^from (\.\w+) import .*\b{re.escape(name)}\b", source, re.MULTILINE):
             return getattr(importlib.import_module(passed[1], self.__package__), name)
@@ -123,7 +137,9 @@ class _Finder:
     def __init__(self) -> None:
         self.libraries = set(NEEDED)
 
-    def find_spec(self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
         library = LIBRARIES.get(fullname.partition(".")[0])
         if library not in self.libraries:
             return None

@@ -1,4 +1,6 @@
-"""The guest's side of the protocol: read the job and its questions, write frames. See job.py and wire.py of the host."""
+"""The guest's side of the protocol: read the job and its questions, write frames. See job.py and wire.py of
+the host.
+"""
 
 import base64
 import fcntl
@@ -17,7 +19,9 @@ LENGTH = struct.Struct("<I")  # in front of the job and of each question; 0 afte
 HEADER = struct.Struct("<H")  # in front of the header of named arrays
 CHUNK = 1 << 16
 FILES = {"setup": "Setup", "plays": "plays.py"}  # names of compiled texts in tracebacks
-CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
+CLOCK_FACTOR = (
+    4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
+)
 BYTES = "base64"  # key of an object that stands for bytes
 NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
 KEPT = "kept by name"  # key of an object that stands for a value that this guest keeps, and its name
@@ -27,14 +31,18 @@ Layout = tuple[tuple[str, tuple[int, ...], slice], ...]
 
 
 def pack(arrays: Mapping[str, Any]) -> bytes:
-    """Return named arrays as bytes: header length, JSON header of shapes by name, then raw little-endian numbers."""
+    """Return named arrays as bytes: header length, JSON header of shapes by name, then raw little-endian
+    numbers.
+    """
     values = {name: np.asarray(value, _dtype(value)) for name, value in arrays.items()}
     shapes = tuple([(name, value.shape) for name, value in values.items()])
     return b"".join([_header(shapes), *[value.tobytes() for value in values.values()]])
 
 
 def unpack(data: bytes) -> dict[str, Any]:
-    """Return the named arrays that ``pack`` wrote, all of them float64. A number without dimensions is returned as a float."""
+    """Return the named arrays that ``pack`` wrote, all of them float64. A number without dimensions is
+    returned as a float.
+    """
     (length,) = HEADER.unpack_from(data)
     numbers = np.frombuffer(data, "<f8", offset=HEADER.size + length).copy()
     return {
@@ -80,8 +88,8 @@ def forget() -> None:
 
 
 def _decoded(value: dict[str, Any]) -> Any:
-    """Return numbers that the host has sent as bytes as nested lists, bytes as such, a kept value for its name, any other object as
-    it is.
+    """Return numbers that the host has sent as bytes as nested lists, bytes as such, a kept value for its
+    name, any other object as it is.
     """
     if KEPT in value:
         return _kept[value[KEPT]]
@@ -98,7 +106,9 @@ class Questions:
     def __init__(self, fd: int) -> None:
         self._fd, self._poll, self._unread = fd, select.poll(), b""
         self._poll.register(fd, select.POLLIN)
-        fcntl.fcntl(fd, fcntl.F_SETFL, os.O_NONBLOCK)  # a submission that reads here gets nothing and does not block
+        fcntl.fcntl(
+            fd, fcntl.F_SETFL, os.O_NONBLOCK
+        )  # a submission that reads here gets nothing and does not block
 
     def job(self) -> dict[str, Any]:
         """Return the job. Call it once, before the submission is loaded."""
@@ -131,13 +141,17 @@ class Writer:
         self._frame(b"J", json.dumps({"event": name, **fields}, ensure_ascii=True).encode())
 
     def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-        """Write a claim of the notebook's own checks: its header with the shapes of its arrays and the names of complex ones, then
-        raw little-endian numbers.
+        """Write a claim of the notebook's own checks: its header with the shapes of its arrays and the names
+        of complex ones, then raw little-endian numbers.
         """
         types = {name: "<c16" if array.dtype.kind == "c" else "<f8" for name, array in arrays.items()}
-        raw = b"".join(np.ascontiguousarray(array, dtype=types[name]).tobytes() for name, array in arrays.items())
+        raw = b"".join(
+            np.ascontiguousarray(array, dtype=types[name]).tobytes() for name, array in arrays.items()
+        )
         shapes = {name: list(array.shape) for name, array in arrays.items()}
-        head = json.dumps(header | {"arrays": shapes, "complex": [name for name in types if types[name] == "<c16"]}).encode()
+        head = json.dumps(
+            header | {"arrays": shapes, "complex": [name for name in types if types[name] == "<c16"]}
+        ).encode()
         self._frame(b"C", HEADER.pack(len(head)) + head + raw)
 
     def arrays(self, arrays: Mapping[str, np.ndarray]) -> None:

@@ -1,16 +1,18 @@
 """The zygote: a warm process that imports the libraries once and forks a child for each play.
 
-It reads no submission and has no secret. It forks the child of the next play in advance (``_Spare``), which waits for its files:
-when it starts, on FORK, or when a play begins if the host says so.
+It reads no submission and has no secret. It forks the child of the next play in advance (``_Spare``), which
+waits for its files: when it starts, on FORK, or when a play begins if the host says so.
 
 For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
-with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. With a fourth
-descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
-same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
-READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
-A zygote that imports a library of MODULES later does so when it receives IMPORT and the name of one, and answers READY. With KEEP,
-a name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY. With LOAD and the names
-of a kept setup and of kept plays, every child loads these before its job arrives, which has the same; with LOAD alone none does.
+with which the host can kill the child, and after the child's exit its wait status and the CPU time that it
+used. With a fourth descriptor, a job of reference functions, a second child holds these and answers calls of
+the first one (calls.py): it gets the same layers and limits, its pidfd and wait status are returned too, and
+it does not survive the first. The zygote's first message is READY and its identity as JSON. With a single
+descriptor, a control socket, it forks a copy of itself that obeys that socket. A zygote that imports a
+library of MODULES later does so when it receives IMPORT and the name of one, and answers READY. With KEEP, a
+name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY. With
+LOAD and the names of a kept setup and of kept plays, every child loads these before its job arrives, which
+has the same; with LOAD alone none does.
 """
 
 import gc
@@ -26,12 +28,19 @@ import traceback
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-NEEDED = {"scipy": 95, "matplotlib": 96}  # exit codes of a child that uses a library which the zygote has not imported
+NEEDED = {
+    "scipy": 95,
+    "matplotlib": 96,
+}  # exit codes of a child that uses a library which the zygote has not imported
 LOCKDOWN_FAILED = 97  # exit code
 READY = b"ready"
 LIMIT = struct.Struct("<i")  # of CPU time in seconds
-PLAY = struct.Struct("<i?")  # limit of CPU time in seconds, and whether the child of the next play is forked now
-REAPED = struct.Struct("<iid")  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
+PLAY = struct.Struct(
+    "<i?"
+)  # limit of CPU time in seconds, and whether the child of the next play is forked now
+REAPED = struct.Struct(
+    "<iid"
+)  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
     "ecp.animation_recording",
@@ -44,10 +53,17 @@ KINDS_MODULE = "ecp.kinds"
 MODULES = {
     "kinds": (KINDS_MODULE,),
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
-    "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
+    "matplotlib": (
+        "matplotlib.animation",
+        "matplotlib.backends.backend_agg",
+        "matplotlib.pyplot",
+        "mpl_toolkits.mplot3d.art3d",
+    ),
 }
 IMPORT, KEEP, LOAD, FORK = b"import ", b"keep ", b"load ", b"fork"
-LOAD_S = 2  # for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within the play
+# for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within
+# the play
+LOAD_S = 2
 LATER = "libraries-later"
 
 
@@ -61,7 +77,9 @@ def main(
     listable: list[str],
     folders: list[str],
 ) -> None:
-    """Import the libraries and obey the control socket. With LATER as ``when``, leave out those in MODULES until one is needed."""
+    """Import the libraries and obey the control socket. With LATER as ``when``, leave out those in MODULES
+    until one is needed.
+    """
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
@@ -76,7 +94,9 @@ def main(
             _import(library)
     gc.freeze()
     sys.modules["guest.run_scenes"].copy_modules()
-    prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
+    prepared = Layers(
+        layers, readable, listable, folders
+    )  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
     gc.collect()
@@ -135,7 +155,9 @@ def _obey(control: socket.socket, prepared: Any) -> None:
 
 
 def _obey_between_plays(message: bytes, fds: Sequence[int], code: Sequence[str]) -> Sequence[str]:
-    """Obey IMPORT, KEEP or LOAD. Return the names of the code that children load in advance from now on, before ``code``."""
+    """Obey IMPORT, KEEP or LOAD. Return the names of the code that children load in advance from now on,
+    before ``code``.
+    """
     if message.startswith(LOAD):
         return message.removeprefix(LOAD).decode().split()
     if message.startswith(IMPORT):
@@ -176,8 +198,8 @@ def _reap(children: list[int], handles: list[int]) -> bytes:
 
 
 class _Spare:
-    """A child forked in advance. It loads the setup and the plays kept by the names ``code``, if any, waits for its limit of CPU
-    time and its descriptors, and has no other files open.
+    """A child forked in advance. It loads the setup and the plays kept by the names ``code``, if any, waits
+    for its limit of CPU time and its descriptors, and has no other files open.
     """
 
     def __init__(self, layers: Any, code: Sequence[str] = ()) -> None:
@@ -194,15 +216,17 @@ class _Spare:
         theirs.close()
 
     def start(self, cpu_s: int, fds: list[int]) -> int:
-        """Let the child begin with descriptors of its job, result and output, and one for calls if there is a fourth. Return its
-        process id.
+        """Let the child begin with descriptors of its job, result and output, and one for calls if there is a
+        fourth. Return its process id.
         """
         try:
             socket.send_fds(self._socket, [LIMIT.pack(cpu_s)], fds)
             began = bool(self._socket.recv(1))
         except OSError:
             began = False
-        if not began:  # it has been killed, by a lack of memory perhaps, or could not load the code, which its play then reports
+        # it has been killed, by a lack of memory perhaps, or could not load the code, which its play then
+        # reports
+        if not began:
             self.end()
             self.code = ()
             return _Spare(self._layers).start(cpu_s, fds)
@@ -240,7 +264,12 @@ def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
         ours.send(b"!")
         ours.detach()
     job, result, output, *calls = fds
-    _run("run_scenes", layers, {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)), *LIMIT.unpack(limit))
+    _run(
+        "run_scenes",
+        layers,
+        {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)),
+        *LIMIT.unpack(limit),
+    )
 
 
 def _free_fd() -> int:
@@ -258,11 +287,15 @@ def _fork(layers: Any, job: int, calls: int, cpu_s: int) -> int:
 
 
 def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int) -> None:
-    """Run a program of this package with descriptors at ``places``, from 3 on, None for /dev/null. Exit then."""
+    """Run a program of this package with descriptors at ``places``, from 3 on, None for /dev/null.
+    Exit then.
+    """
     code = LOCKDOWN_FAILED
     try:
         devnull = os.open(os.devnull, os.O_RDWR)
-        layers.apply({0: devnull} | {place: devnull if fd is None else fd for place, fd in places.items()}, cpu_s)
+        layers.apply(
+            {0: devnull} | {place: devnull if fd is None else fd for place, fd in places.items()}, cpu_s
+        )
         run = importlib.import_module(f"guest.{program}").run
 
         code = 1
@@ -276,5 +309,7 @@ def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int
             sys.stdout.flush()
         except BaseException:
             pass
-        os.closerange(1, max(places) + 1)  # so that the host has everything before the kernel has released the memory
+        os.closerange(
+            1, max(places) + 1
+        )  # so that the host has everything before the kernel has released the memory
         os._exit(code)

@@ -10,9 +10,13 @@ from service.store.database import Connection, Database, Row
 MOST = 200
 
 
-async def record(connection: Connection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
+async def record(
+    connection: Connection, actor: str, action: str, subject: str, detail: Mapping[str, Any]
+) -> None:
     """Add an entry to the audit log: ``actor`` did ``action`` to ``subject``."""
-    await connection.execute(_RECORD, {"actor": actor, "action": action, "subject": subject, "detail": Jsonb(detail)})
+    await connection.execute(
+        _RECORD, {"actor": actor, "action": action, "subject": subject, "detail": Jsonb(detail)}
+    )
 
 
 async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row]:

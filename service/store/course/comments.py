@@ -28,12 +28,16 @@ async def of_submission(database: Database, submission: UUID) -> Sequence[Commen
     return [Comment(**row._asdict()) for row in await database.rows(_ALL, {"submission": submission})]
 
 
-async def write(database: Database, submission: UUID, author: str, *, cell: int, line: int, comment: str) -> Comment:
+async def write(
+    database: Database, submission: UUID, author: str, *, cell: int, line: int, comment: str
+) -> Comment:
     """Store a comment on a line, which must exist, and return it."""
     values = {"submission": submission, "cell": cell, "line": line, "comment": comment, "author": author}
     async with database.begin() as connection:
         written = Comment(**(await connection.one(_WRITE, values))._asdict())
-        await audit.record(connection, author, "comment", str(submission), {"cell": cell, "line": line, "comment": comment})
+        await audit.record(
+            connection, author, "comment", str(submission), {"cell": cell, "line": line, "comment": comment}
+        )
     return written
 
 
@@ -48,7 +52,10 @@ async def delete(database: Database, submission: UUID, id: UUID, actor: str) -> 
 
 _COLUMNS = "id, cell, line, comment, author, written_at"
 
-_ALL = f"SELECT {_COLUMNS} FROM source_comment WHERE submission_id = :submission ORDER BY cell, line, written_at, id"
+_ALL = (
+    f"SELECT {_COLUMNS} FROM source_comment WHERE submission_id = :submission ORDER BY cell, line,"
+    " written_at, id"
+)
 
 _WRITE = f"""
 INSERT INTO source_comment (submission_id, cell, line, comment, author)
@@ -56,5 +63,6 @@ VALUES (:submission, :cell, :line, :comment, :author) RETURNING {_COLUMNS}
 """
 
 _DELETE = """
-DELETE FROM source_comment WHERE id = :id AND submission_id = :submission RETURNING cell, line, comment, author
+DELETE FROM source_comment WHERE id = :id AND submission_id = :submission
+    RETURNING cell, line, comment, author
 """

@@ -1,4 +1,6 @@
-"""Settings of the course: its time zone, the late penalty, and when the students see scores and the details of hidden checks."""
+"""Settings of the course: its time zone, the late penalty, and when the students see scores and the details
+of hidden checks.
+"""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -12,7 +14,9 @@ IMMEDIATELY, AT_DEADLINE, MANUALLY = RELEASES = ("immediately", "deadline", "man
 
 @dataclass(frozen=True)
 class CourseSettings:
-    """The name of the time zone, and the share of the points that a submission loses for each day late, up to a limit (0 to 1)."""
+    """The name of the time zone, and the share of the points that a submission loses for each day late, up to
+    a limit (0 to 1).
+    """
 
     time_zone: str = "UTC"
     late_penalty: float = 0.0
@@ -25,33 +29,46 @@ async def read(database: Database) -> CourseSettings:
     return CourseSettings(**row._asdict())
 
 
-async def change(database: Database, settings: CourseSettings, weights: Mapping[str, float], actor: str) -> None:
+async def change(
+    database: Database, settings: CourseSettings, weights: Mapping[str, float], actor: str
+) -> None:
     """Store the settings, and the weights of the assignments that are named."""
     async with database.begin() as connection:
         await connection.execute(_SET, asdict(settings) | {"course": COURSE})
         for slug, weight in weights.items():
             await connection.execute(_SET_WEIGHT, {"slug": slug, "weight": weight, "course": COURSE})
-        await audit.record(connection, actor, "course settings", COURSE, {**asdict(settings), "weights": dict(weights)})
+        await audit.record(
+            connection, actor, "course settings", COURSE, {**asdict(settings), "weights": dict(weights)}
+        )
 
 
 async def set_releases(database: Database, slug: str, scores: str, details: str, actor: str) -> None:
     """Set when the students see scores and the details of hidden checks: each is one of RELEASES."""
     async with database.begin() as connection:
-        await connection.execute(_SET_RELEASES, {"slug": slug, "course": COURSE, "scores": scores, "details": details})
+        await connection.execute(
+            _SET_RELEASES, {"slug": slug, "course": COURSE, "scores": scores, "details": details}
+        )
         await audit.record(connection, actor, "release rules", slug, {"scores": scores, "details": details})
 
 
-async def release(database: Database, slug: str, *, scores: bool | None, details: bool | None, actor: str) -> None:
-    """Release scores or details that are released manually (True), withdraw the release (False), or leave it as it is (None)."""
+async def release(
+    database: Database, slug: str, *, scores: bool | None, details: bool | None, actor: str
+) -> None:
+    """Release scores or details that are released manually (True), withdraw the release (False), or leave it
+    as it is (None).
+    """
     async with database.begin() as connection:
-        await connection.execute(_RELEASE, {"slug": slug, "course": COURSE, "scores": scores, "details": details})
+        await connection.execute(
+            _RELEASE, {"slug": slug, "course": COURSE, "scores": scores, "details": details}
+        )
         await audit.record(connection, actor, "release", slug, {"scores": scores, "details": details})
 
 
 _COLUMNS = "time_zone, late_penalty, late_penalty_limit"
 
 _SET = """
-UPDATE course SET time_zone = :time_zone, late_penalty = :late_penalty, late_penalty_limit = :late_penalty_limit
+UPDATE course SET time_zone = :time_zone, late_penalty = :late_penalty,
+    late_penalty_limit = :late_penalty_limit
 WHERE slug = :course
 """
 
@@ -63,7 +80,9 @@ _SET_RELEASES = f"UPDATE assignment SET scores_release = :scores, details_releas
 
 _RELEASE = f"""
 UPDATE assignment SET
-    scores_released_at = CASE CAST(:scores AS boolean) WHEN true THEN now() WHEN false THEN NULL ELSE scores_released_at END,
-    details_released_at = CASE CAST(:details AS boolean) WHEN true THEN now() WHEN false THEN NULL ELSE details_released_at END
+    scores_released_at = CASE CAST(:scores AS boolean) WHEN true THEN now() WHEN false THEN NULL
+    ELSE scores_released_at END,
+    details_released_at = CASE CAST(:details AS boolean) WHEN true THEN now() WHEN false THEN NULL
+    ELSE details_released_at END
 WHERE {_OF}
 """

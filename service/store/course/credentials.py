@@ -22,7 +22,9 @@ async def password(database: Database, name: str) -> str | None:
     return None if row is None else row.password
 
 
-async def set_password(connection: Connection, name: str, new_hash: str, *, by: str, but: UUID | None = None) -> bool:
+async def set_password(
+    connection: Connection, name: str, new_hash: str, *, by: str, but: UUID | None = None
+) -> bool:
     """Set the password's hash and end the person's sessions except ``but``.
 
     ``by`` is the actor in the audit log. Return False for an unknown person.
@@ -58,7 +60,9 @@ async def signed_in(connection: Connection, account: tuple[str, str], name: str,
     if others:
         raise NameTaken(f"another account is linked to the name {name}: ask your course staff")
     if has_password and present != name:
-        raise NameTaken(f"{name} has a password here: log in with it, then connect this sign-in on your account page")
+        raise NameTaken(
+            f"{name} has a password here: log in with it, then connect this sign-in on your account page"
+        )
     await connection.execute(_LINK, {"issuer": issuer, "subject": subject, "person": person})
     await audit.record(connection, name, "connect sign-in", name, {"issuer": issuer, "subject": subject})
     return name
@@ -80,9 +84,13 @@ FROM person p LEFT JOIN oidc_account s ON s.person_id = p.id WHERE p.name = :nam
 _SET = "UPDATE person SET password = :hash WHERE name = :name RETURNING id"
 _RENEW = "UPDATE person SET password = :hash WHERE name = :name AND password = :before"
 _OF_SUBJECT = """
-SELECT p.name FROM oidc_account s JOIN person p ON p.id = s.person_id WHERE s.issuer = :issuer AND s.subject = :subject
+SELECT p.name FROM oidc_account s JOIN person p ON p.id = s.person_id WHERE s.issuer = :issuer
+    AND s.subject = :subject
 """
 _LOCK = "SELECT password IS NOT NULL FROM person WHERE id = :person FOR UPDATE"
 _OF_PERSON = "SELECT issuer, subject FROM oidc_account WHERE person_id = :person"
 _LINK = "INSERT INTO oidc_account (issuer, subject, person_id) VALUES (:issuer, :subject, :person)"
-_UNLINK = "DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING s.subject"
+_UNLINK = (
+    "DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING"
+    " s.subject"
+)

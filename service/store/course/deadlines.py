@@ -10,7 +10,9 @@ from service.store.records import FAULTED, OWN_DEADLINE
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
-    """Set or replace a person's extension of an assignment. Return False if the person is not in the course."""
+    """Set or replace a person's extension of an assignment.
+    Return False if the person is not in the course.
+    """
     values = {"slug": slug, "name": name, "course": COURSE, "due": due_at, "reason": reason, "by": by}
     async with database.begin() as connection:
         if await connection.first(_EXTEND, values) is None:
@@ -31,8 +33,8 @@ async def remove_extension(database: Database, slug: str, name: str, by: str) ->
 
 
 async def removed_extension(database: Database, slug: str, name: str) -> Row | None:
-    """Return ``name``, ``full_name``, ``due_at`` and ``reason`` of a person's extension that was removed last, unless it is past or
-    they have another one; None without one.
+    """Return ``name``, ``full_name``, ``due_at`` and ``reason`` of a person's extension that was removed
+    last, unless it is past or they have another one; None without one.
     """
     return await database.first(_REMOVED, {"slug": slug, "name": name, "course": COURSE})
 
@@ -43,37 +45,43 @@ async def extensions(database: Database, slug: str) -> Sequence[Row]:
 
 
 async def of_person(database: Database, name: str) -> Sequence[Row]:
-    """Return the row of ``own`` for each assignment, with its ``slug``, ``weight`` and the ``reason`` of the extension, if any."""
+    """Return the row of ``own`` for each assignment, with its ``slug``, ``weight`` and the ``reason`` of the
+    extension, if any.
+    """
     return await database.rows(_OWN, {"slug": None, "name": name, "course": COURSE})
 
 
 async def own(database: Database, slug: str, name: str) -> Row:
-    """Return a person's own rules: ``due_at`` with the extension, whether it is ``extended`` and, with ``grace_s``, ``over``, the
-    ``submission_limit``, and how many submissions are ``used``.
+    """Return a person's own rules: ``due_at`` with the extension, whether it is ``extended`` and, with
+    ``grace_s``, ``over``, the ``submission_limit``, and how many submissions are ``used``.
     """
     return await database.one(_OWN, {"slug": slug, "name": name, "course": COURSE})
 
 
 _OF = """
-FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id
+FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id
+    JOIN person p ON p.id = m.person_id
 WHERE x.slug = :slug AND c.slug = :course"""
 
 _EXTEND = f"""
 INSERT INTO extension (assignment_id, person_id, due_at, reason, given_by)
 SELECT x.id, p.id, :due, :reason, :by {_OF} AND p.name = :name
-ON CONFLICT (assignment_id, person_id) DO UPDATE SET due_at = :due, reason = :reason, given_by = :by, given_at = now()
+ON CONFLICT (assignment_id, person_id) DO UPDATE
+    SET due_at = :due, reason = :reason, given_by = :by, given_at = now()
 RETURNING person_id
 """
 
 _REMOVE = f"""
-DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name) RETURNING due_at, reason
+DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name)
+    RETURNING due_at, reason
 """
 
 _REMOVED = f"""
 SELECT * FROM (
     SELECT p.name, p.full_name, CAST(a.detail->>'due' AS timestamptz) AS due_at, a.detail->>'reason' AS reason
     FROM audit a JOIN person p ON p.name = a.subject
-    WHERE a.action = 'extension taken back' AND a.subject = :name AND a.detail->>'assignment' = :slug AND NOT EXISTS (
+    WHERE a.action = 'extension taken back' AND a.subject = :name AND a.detail->>'assignment' = :slug
+    AND NOT EXISTS (
         SELECT FROM extension e WHERE e.person_id = p.id AND e.assignment_id IN (SELECT x.id {_OF}))
     ORDER BY a.id DESC LIMIT 1
 ) last WHERE due_at > now()
@@ -89,7 +97,8 @@ _OWN = f"""
 SELECT x.slug, x.weight, e.reason, until.due_at, coalesce(until.due_at > x.due_at, false) AS extended,
     x.grace_s, x.submission_limit,
     coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over,
-    (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id AND NOT {FAULTED}) AS used
+    (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id
+    AND NOT {FAULTED}) AS used
 FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}

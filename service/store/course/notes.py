@@ -32,7 +32,10 @@ async def of_person(database: Database, name: str) -> Sequence[Row]:
 
 _WRITE = "INSERT INTO note (person_id, note, author) SELECT id, :note, :author FROM person WHERE name = :name"
 
-_REMOVE = "DELETE FROM note n USING person p WHERE p.id = n.person_id AND p.name = :name AND n.id = :id RETURNING n.note"
+_REMOVE = (
+    "DELETE FROM note n USING person p WHERE p.id = n.person_id AND p.name = :name AND n.id = :id RETURNING"
+    " n.note"
+)
 
 _LIST = """
 SELECT n.id, n.note, n.author, n.written_at FROM note n JOIN person p ON p.id = n.person_id

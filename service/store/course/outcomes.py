@@ -1,8 +1,8 @@
 """Read the checks of counted submissions: by student, by check, by cause, or those that match a filter.
 
-A class has tens of thousands of outcomes, so PostgreSQL aggregates them to a row per student, check or cause. It joins short words
-to a text, which Python splits faster than psycopg reads an array. ``gradings`` are those of the counted submissions with a report.
-An override counts instead of the measured state.
+A class has tens of thousands of outcomes, so PostgreSQL aggregates them to a row per student, check or cause.
+It joins short words to a text, which Python splits faster than psycopg reads an array. ``gradings`` are those
+of the counted submissions with a report. An override counts instead of the measured state.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,13 +10,16 @@ from uuid import UUID
 
 from service.store.database import Database, Row
 
-# The outcomes ``cell`` of these gradings; ``shown`` is the state that counts: with an override, passed if it gives all points.
+# The outcomes ``cell`` of these gradings; ``shown`` is the state that counts: with an override, passed if it
+# gives all points.
 _CELL = """
 WITH cell AS (
-    SELECT v.grading_id, v.check_id, v.state, v.counted, v.margin, v.codes, v.causes, o.points IS NOT NULL AS overridden,
+    SELECT v.grading_id, v.check_id, v.state, v.counted, v.margin, v.codes, v.causes,
+    o.points IS NOT NULL AS overridden,
         CASE WHEN o.points IS NULL THEN v.state WHEN o.points >= v.points THEN 'pass' ELSE 'fail' END AS shown
     FROM outcome v JOIN grading a ON a.id = v.grading_id
-        LEFT JOIN override o ON o.submission_id = a.submission_id AND o.check_id = v.check_id AND o.withdrawn_at IS NULL
+        LEFT JOIN override o ON o.submission_id = a.submission_id AND o.check_id = v.check_id
+        AND o.withdrawn_at IS NULL
     WHERE v.grading_id = ANY(CAST(:gradings AS uuid[]))
 )
 """
@@ -30,7 +33,8 @@ FROM cell WHERE counted GROUP BY grading_id
 _BY_CHECK = f"""{_CELL}
 SELECT check_id, string_agg(shown, ' ') AS states, array_agg(margin) FILTER (WHERE margin > 0) AS margins,
     array_agg(causes[1]) FILTER (WHERE shown <> 'pass' AND causes <> '{{}}') AS causes,
-    count(*) FILTER (WHERE state = 'pass' AND margin IS NULL) AS exact, min(margin) FILTER (WHERE state = 'pass') AS smallest
+    count(*) FILTER (WHERE state = 'pass' AND margin IS NULL) AS exact,
+    min(margin) FILTER (WHERE state = 'pass') AS smallest
 FROM cell WHERE counted GROUP BY check_id
 """
 
@@ -56,23 +60,27 @@ async def by_student(database: Database, gradings: Sequence[UUID]) -> dict[UUID 
 
 
 async def by_check(database: Database, gradings: Sequence[UUID]) -> Mapping[str, Row]:
-    """Return by check id the ``states`` that count, separated by spaces, the positive ``margins`` and the first ``causes``.
+    """Return by check id the ``states`` that count, separated by spaces, the positive ``margins`` and the
+    first ``causes``.
 
-    These are the causes of those who did not pass. ``exact`` is the number of measured passes without a margin, ``smallest`` the
-    smallest margin of the others.
+    These are the causes of those who did not pass. ``exact`` is the number of measured passes without a
+    margin, ``smallest`` the smallest margin of the others.
     """
     return {row.check_id: row for row in await database.rows(_BY_CHECK, {"gradings": gradings})}
 
 
 async def by_cause(database: Database, gradings: Sequence[UUID]) -> Sequence[Row]:
-    """Return a row per diagnosis, the most common first: ``code``, ``sentence``, and the numbers of ``students`` and ``checks``."""
+    """Return a row per diagnosis, the most common first: ``code``, ``sentence``, and the numbers of
+    ``students`` and ``checks``.
+    """
     return await database.rows(_BY_CAUSE, {"gradings": gradings})
 
 
 async def matching(
     database: Database, gradings: Sequence[UUID], check: str | None, state: str | None, cause: str | None
 ) -> dict[UUID, list[Row]]:
-    """Return by grading its outcomes of this check, state and cause, None meaning any: ``check``, ``shown`` and first ``cause``.
+    """Return by grading its outcomes of this check, state and cause, None meaning any: ``check``, ``shown``
+    and first ``cause``.
 
     The state "not-pass" is any but "pass". A passed check has no cause.
     """

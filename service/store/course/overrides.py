@@ -50,7 +50,9 @@ async def of_submission(database: Queries, submission: UUID) -> Sequence[Overrid
 
 
 async def of_person(database: Queries, name: str) -> Sequence[Row]:
-    """Return the overrides in force of a person's submissions, newest first, with their ``submission`` and ``assignment``."""
+    """Return the overrides in force of a person's submissions, newest first, with their ``submission`` and
+    ``assignment``.
+    """
     return await database.rows(_OF_PERSON, {"name": name})
 
 
@@ -60,7 +62,14 @@ def revision(overrides: Sequence[Override]) -> int:
 
 
 async def give(
-    database: Database, submission: UUID, actor: str, *, check: str | None, points: float, reason: str, seen: int | None = None
+    database: Database,
+    submission: UUID,
+    actor: str,
+    *,
+    check: str | None,
+    points: float,
+    reason: str,
+    seen: int | None = None,
 ) -> None:
     """Override the points of a check or of the submission, replacing an override in force.
 
@@ -71,13 +80,21 @@ async def give(
         before = await _locked(connection, submission)
         stored = await of_submission(connection, submission)
         if seen is not None and seen != revision(stored):
-            raise OverrideRejected("changed-meanwhile", "someone else changed these points: reload the page and check them")
+            raise OverrideRejected(
+                "changed-meanwhile", "someone else changed these points: reload the page and check them"
+            )
         outcome = await connection.first(_OUTCOME, {"grading": before.grading, "check": check})
         _validate(before, outcome, check, points, reason)
         old = next((one for one in stored if one.in_force and one.check == check), None)
         if old is not None:
             await connection.execute(_WITHDRAW, {"submission": submission, "id": old.id, "actor": actor})
-        values = {"submission": submission, "check": check, "points": points, "reason": reason, "actor": actor}
+        values = {
+            "submission": submission,
+            "check": check,
+            "points": points,
+            "reason": reason,
+            "actor": actor,
+        }
         await connection.execute(_GIVE, values)
         measured = before.score if outcome is None else outcome.earned
         detail = {
@@ -107,23 +124,35 @@ async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -
             problem = f"{one.withdrawn_by} has already withdrawn or replaced this override: reload the page"
             raise OverrideRejected("changed-meanwhile", problem)
         await connection.execute(_WITHDRAW, {"submission": submission, "id": id, "actor": actor})
-        detail = {"action": "override withdrawn", "check": one.check, "before": one.points, "after": None, "reason": one.reason}
+        detail = {
+            "action": "override withdrawn",
+            "check": one.check,
+            "before": one.points,
+            "after": None,
+            "reason": one.reason,
+        }
         await _record_change(connection, submission, before, actor, detail)
     return True
 
 
 def _validate(before: Row, outcome: Row | None, check: str | None, points: float, reason: str) -> None:
     if before.max_score is None:
-        raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
+        raise OverrideRejected(
+            "not-ready", "the submission has no report yet: override its points once it is graded"
+        )
     if check is not None and outcome is None:
         raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}", "/check")
     most = max(before.max_score, before.total) if outcome is None else outcome.points
     if not 0 <= points <= most:
         what = "the submission" if outcome is None else f"the check {check}"
-        raise OverrideRejected("invalid-request", f"the points of {what} must be from 0 to {most:g}", "/points")
+        raise OverrideRejected(
+            "invalid-request", f"the points of {what} must be from 0 to {most:g}", "/points"
+        )
     if not 0 < len(reason) <= LONGEST_REASON:
         raise OverrideRejected(
-            "invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it", "/reason"
+            "invalid-request",
+            f"give a reason of at most {LONGEST_REASON} characters: the student reads it",
+            "/reason",
         )
 
 
@@ -133,7 +162,9 @@ async def _locked(connection: Connection, submission: UUID) -> Row:
     return await connection.one(_SHOWN, {"id": submission})
 
 
-async def _record_change(connection: Connection, submission: UUID, before: Row, actor: str, change: dict[str, Any]) -> None:
+async def _record_change(
+    connection: Connection, submission: UUID, before: Row, actor: str, change: dict[str, Any]
+) -> None:
     after = await connection.one(_SHOWN, {"id": submission})
     action = change.pop("action")
     detail = {"person": before.person, **change, "points": [before.points, after.points]}
@@ -147,7 +178,8 @@ FROM override WHERE submission_id = :id ORDER BY given_at, id
 """
 
 _OF_PERSON = """
-SELECT o.submission_id AS submission, x.slug AS assignment, o.check_id AS check, o.points, o.reason, o.given_by AS by,
+SELECT o.submission_id AS submission, x.slug AS assignment, o.check_id AS check, o.points, o.reason,
+    o.given_by AS by,
     o.given_at AS at
 FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON x.id = s.assignment_id
     JOIN person p ON p.id = s.person_id

@@ -73,18 +73,20 @@ async def find(database: Database, name: str) -> Row | None:
 
 
 async def neighbours(database: Database, name: str) -> Row | None:
-    """Return the names of the student before and after ``name`` in the order of the class, None at its ends, as ``before`` and
-    ``after``; None if the person is not a student.
+    """Return the names of the student before and after ``name`` in the order of the class, None at its ends,
+    as ``before`` and ``after``; None if the person is not a student.
     """
     return await database.first(_NEIGHBOURS, {"course": COURSE, "name": name})
 
 
 async def search(database: Database, text: str, most: int) -> Sequence[Row]:
-    """Return at most ``most`` people of the course whose name, full name, email address or student id contains ``text``, apart from
-    case and accents.
+    """Return at most ``most`` people of the course whose name, full name, email address or student id
+    contains ``text``, apart from case and accents.
     """
     wanted = _plain(text)  # compared here, as the database of some locales knows no case but that of ASCII
-    names = [row.name for row in await database.rows(_TEXTS, {"course": COURSE}) if wanted in _plain(row.text)]
+    names = [
+        row.name for row in await database.rows(_TEXTS, {"course": COURSE}) if wanted in _plain(row.text)
+    ]
     return await database.rows(_SEARCH, {"course": COURSE, "names": names, "most": most})
 
 
@@ -94,7 +96,9 @@ def _plain(text: str) -> str:
 
 async def secret(database: Database, name: str) -> bytes:
     """Return a signing key that all servers on this database share."""
-    return str((await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value).encode()
+    return str(
+        (await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value
+    ).encode()
 
 
 _ENTER_ALL = "INSERT INTO person (name) SELECT unnest(CAST(:name AS text[])) ON CONFLICT DO NOTHING"
@@ -104,13 +108,16 @@ WHERE c.slug = :course AND p.name = ANY(CAST(:name AS text[])) ON CONFLICT DO NO
 """
 _ROLES = """
 UPDATE member m SET role = entry.role
-FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS entry (name, role) JOIN person p USING (name), course c
+FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS entry (name, role)
+    JOIN person p USING (name), course c
 WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND entry.role IS NOT NULL
 """
 _ABOUT = """
-UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name), email = coalesce(entry.email, p.email),
+UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name), email = coalesce(entry.email,
+    p.email),
     student_id = coalesce(entry.student_id, p.student_id)
-FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]), CAST(:student_id AS text[]))
+FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]),
+    CAST(:student_id AS text[]))
     AS entry (name, full_name, email, student_id)
 WHERE p.name = entry.name AND coalesce(entry.full_name, entry.email, entry.student_id) IS NOT NULL
 """
@@ -122,9 +129,11 @@ _PEOPLE = """
 SELECT p.name, p.full_name, p.email, p.student_id, m.role, coalesce(sent.n, 0) AS submissions, sent.last,
     p.password IS NOT NULL AS password, coalesce(given.n, 0) AS tokens
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
-    LEFT JOIN LATERAL (SELECT count(*) AS n, max(submitted_at) AS last FROM submission s WHERE s.person_id = p.id) sent ON true
+    LEFT JOIN LATERAL (SELECT count(*) AS n, max(submitted_at) AS last FROM submission s
+    WHERE s.person_id = p.id) sent ON true
     LEFT JOIN LATERAL (
-        SELECT count(*) AS n FROM token t WHERE t.person_id = p.id AND revoked_at IS NULL AND expires_at > now()
+        SELECT count(*) AS n FROM token t WHERE t.person_id = p.id AND revoked_at IS NULL
+        AND expires_at > now()
     ) given ON true
 WHERE c.slug = :course
 """

@@ -10,14 +10,17 @@ from service.store.records import FAULTED, OWN_DEADLINE, SHOWN, STATUS
 _MEDIANS = f"""
 SELECT x.slug, percentile_cont(0.5) WITHIN GROUP (ORDER BY best.final) AS median FROM (
     SELECT assignment_id, person_id, max(final) AS final FROM ({SENT}) sent GROUP BY 1, 2
-) best JOIN assignment x ON x.id = best.assignment_id JOIN member m ON m.person_id = best.person_id AND m.course_id = x.course_id
+) best JOIN assignment x ON x.id = best.assignment_id JOIN member m ON m.person_id = best.person_id
+    AND m.course_id = x.course_id
 WHERE m.role = 'student' GROUP BY x.slug
 """
 
 _OWN = f"""
-SELECT x.slug, x.weight, x.grace_s, x.submission_limit, until.due_at, coalesce(until.due_at > x.due_at, false) AS extended,
+SELECT x.slug, x.weight, x.grace_s, x.submission_limit, until.due_at, coalesce(until.due_at > x.due_at,
+    false) AS extended,
     coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over, last.status,
-    (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id AND NOT {FAULTED}) AS used
+    (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id
+    AND NOT {FAULTED}) AS used
 FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}
@@ -30,7 +33,8 @@ WHERE c.slug = :course
 
 
 async def medians(database: Database) -> Mapping[str, float | None]:
-    """Return by assignment the median over the students who submitted of their best points after the late penalty.
+    """Return by assignment the median over the students who submitted of their best points after the late
+    penalty.
 
     It is None without a graded submission.
     """
@@ -38,5 +42,7 @@ async def medians(database: Database) -> Mapping[str, float | None]:
 
 
 async def own(database: Database, name: str) -> Mapping[str, Row]:
-    """Return by assignment a person's own rules, as ``deadlines.own`` does, and the status of their last submission."""
+    """Return by assignment a person's own rules, as ``deadlines.own`` does, and the status of their last
+    submission.
+    """
     return {row.slug: row for row in await database.rows(_OWN, {"name": name, "course": COURSE})}

@@ -32,7 +32,9 @@ class RegradeRequest:
 
 
 class RequestRejected(Exception):
-    """The request cannot be stored or answered; ``kind`` is its problem type, "not-ready" or "changed-meanwhile"."""
+    """The request cannot be stored or answered; ``kind`` is its problem type, "not-ready" or
+    "changed-meanwhile".
+    """
 
     def __init__(self, kind: str, sentence: str) -> None:
         super().__init__(sentence)
@@ -41,13 +43,17 @@ class RequestRejected(Exception):
 
 async def of_submission(database: Database, submission: UUID) -> Sequence[RegradeRequest]:
     """Return the requests about a submission, oldest first."""
-    return [RegradeRequest(**row._asdict()) for row in await database.rows(_OF_SUBMISSION, {"submission": submission})]
+    return [
+        RegradeRequest(**row._asdict())
+        for row in await database.rows(_OF_SUBMISSION, {"submission": submission})
+    ]
 
 
 async def of_assignment(database: Database, slug: str) -> Sequence[Row]:
     """Return the latest MOST requests about an assignment, open ones first and oldest of these first.
 
-    A row has the fields of RegradeRequest, ``person``, ``full_name``, and the submission's ``points`` and ``total``.
+    A row has the fields of RegradeRequest, ``person``, ``full_name``, and the submission's ``points`` and
+    ``total``.
     """
     return await database.rows(_OF_ASSIGNMENT, {"slug": slug, "course": COURSE})
 
@@ -56,15 +62,21 @@ async def request(database: Database, submission: UUID, person: str, reason: str
     """Store a request. Raises RequestRejected if the submission has no report or an open request."""
     async with database.begin() as connection:
         if (await connection.one(_SCORE, {"submission": submission})).score is None:
-            raise RequestRejected("not-ready", "the submission has no report yet: request a regrade once it is graded")
+            raise RequestRejected(
+                "not-ready", "the submission has no report yet: request a regrade once it is graded"
+            )
         row = await connection.first(_REQUEST, {"submission": submission, "reason": reason})
         if row is None:
-            raise RequestRejected("changed-meanwhile", "a regrade request for this submission is open: wait for its answer")
+            raise RequestRejected(
+                "changed-meanwhile", "a regrade request for this submission is open: wait for its answer"
+            )
         await audit.record(connection, person, "regrade request", str(submission), {"reason": reason})
     return RegradeRequest(**row._asdict())
 
 
-async def answer(database: Database, id: UUID, actor: str, status: Answer, text: str) -> RegradeRequest | None:
+async def answer(
+    database: Database, id: UUID, actor: str, status: Answer, text: str
+) -> RegradeRequest | None:
     """Answer an open request and return it; return None if there is none with that id.
 
     Raises RequestRejected if it is answered already.
@@ -74,17 +86,24 @@ async def answer(database: Database, id: UUID, actor: str, status: Answer, text:
         if row is None:
             if (found := await connection.first(_ANSWERED_BY, {"id": id})) is None:
                 return None
-            raise RequestRejected("changed-meanwhile", f"{found.answered_by} has already answered this request: reload the page")
-        await audit.record(connection, actor, f"regrade request {status}", str(row.submission), {"answer": text})
+            raise RequestRejected(
+                "changed-meanwhile", f"{found.answered_by} has already answered this request: reload the page"
+            )
+        await audit.record(
+            connection, actor, f"regrade request {status}", str(row.submission), {"answer": text}
+        )
     return RegradeRequest(**row._asdict())
 
 
 _COLUMNS = "id, submission_id AS submission, reason, requested_at, status, answer, answered_by, answered_at"
 
-_OF_SUBMISSION = f"SELECT {_COLUMNS} FROM regrade_request WHERE submission_id = :submission ORDER BY requested_at, id"
+_OF_SUBMISSION = (
+    f"SELECT {_COLUMNS} FROM regrade_request WHERE submission_id = :submission ORDER BY requested_at, id"
+)
 
 _OF_ASSIGNMENT = f"""
-SELECT q.id, q.submission_id AS submission, q.reason, q.requested_at, q.status, q.answer, q.answered_by, q.answered_at,
+SELECT q.id, q.submission_id AS submission, q.reason, q.requested_at, q.status, q.answer, q.answered_by,
+    q.answered_at,
     p.name AS person, p.full_name, given.points, shown.total
 FROM regrade_request q JOIN submission s ON s.id = q.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id JOIN course c ON c.id = x.course_id JOIN {SHOWN}
@@ -95,11 +114,13 @@ ORDER BY q.answered_at DESC NULLS FIRST, q.requested_at LIMIT {MOST}
 _SCORE = f"SELECT shown.score FROM submission s JOIN {SHOWN} WHERE s.id = :submission"
 
 _REQUEST = f"""
-INSERT INTO regrade_request (submission_id, reason) VALUES (:submission, :reason) ON CONFLICT DO NOTHING RETURNING {_COLUMNS}
+INSERT INTO regrade_request (submission_id, reason) VALUES (:submission, :reason) ON CONFLICT DO NOTHING
+    RETURNING {_COLUMNS}
 """
 
 _ANSWER = f"""
-UPDATE regrade_request SET status = :status, answer = :text, answered_by = :actor, answered_at = clock_timestamp()
+UPDATE regrade_request SET status = :status, answer = :text, answered_by = :actor,
+    answered_at = clock_timestamp()
 WHERE id = :id AND status = 'open' RETURNING {_COLUMNS}
 """
 

@@ -14,8 +14,8 @@ SEPARATORS = ",;\t"
 BEFORE_AT = "email, the part before @"
 """A choice of the login name beside the file's columns."""
 
-# Headings in lower case without spaces, hyphens and underscores, by what they mean; "name" is the login name only in polhode's own
-# format, and the full name beside another login name.
+# Headings in lower case without spaces, hyphens and underscores, by what they mean; "name" is the login name
+# only in polhode's own format, and the full name beside another login name.
 MEANINGS = {
     "login": ("username", "loginname", "login", "loginid", "sisloginid", "uid"),
     "name": ("name",),
@@ -28,10 +28,21 @@ MEANINGS = {
 }
 KNOWN = {word for words in MEANINGS.values() for word in words}
 OWN = {"name", "role", "fullname", "email", "studentid"}
-CANVAS = {"student", "id"}  # whose gradebook has rows without an ID that are not people, such as "Points Possible"
+CANVAS = {
+    "student",
+    "id",
+}  # whose gradebook has rows without an ID that are not people, such as "Points Possible"
 ROLE_WORDS = {
     "student": ("student", "learner"),
-    "assistant": ("assistant", "ta", "teaching assistant", "grader", "reader", "tutor", "non-editing teacher"),
+    "assistant": (
+        "assistant",
+        "ta",
+        "teaching assistant",
+        "grader",
+        "reader",
+        "tutor",
+        "non-editing teacher",
+    ),
     "instructor": ("instructor", "teacher", "professor"),
     "former": ("former",),
 }
@@ -53,7 +64,9 @@ class Entry(NamedTuple):
 
 @dataclass(frozen=True)
 class Roster:
-    """The entries of a file; ``login`` is the column of the login names, one of ``choices``; ``unused`` headings mean nothing."""
+    """The entries of a file; ``login`` is the column of the login names, one of ``choices``; ``unused``
+    headings mean nothing.
+    """
 
     entries: Sequence[Entry]
     login: str
@@ -64,8 +77,8 @@ class Roster:
 def read(content: bytes, file: str, login: str | None = None) -> Roster:
     """Read a roster, separated by commas, semicolons or tabs, with an entry per line.
 
-    ``login`` is the column with the login names, or BEFORE_AT; by default the file's headings determine it. Raises BadRoster, with
-    ``file`` in its message, if the roster is not valid.
+    ``login`` is the column with the login names, or BEFORE_AT; by default the file's headings determine it.
+    Raises BadRoster, with ``file`` in its message, if the roster is not valid.
     """
     try:
         decoded = text(content)
@@ -79,13 +92,18 @@ def read(content: bytes, file: str, login: str | None = None) -> Roster:
     named = [head for head in heads if head]
     choices = named + [BEFORE_AT] * ("email" in places)
     plain = {*map(_plain, named)}
-    strange = [head for head in named if _plain(head) not in KNOWN] if "name" in plain and plain & KNOWN <= OWN else []
+    strange = (
+        [head for head in named if _plain(head) not in KNOWN]
+        if "name" in plain and plain & KNOWN <= OWN
+        else []
+    )
     login = login or _login(heads, places)
     if login not in choices or len(set(named)) < len(named) or strange:
         wrong = f", not {strange[0][:40]!r}" if strange else ""
         raise BadRoster(
-            f"{file}: the first line must name the columns, each once, separated by commas, semicolons or tabs: name and "
-            f"optionally {', '.join(ROSTER[1:])}, or the columns of Gradescope, Canvas, Moodle or PrairieLearn{wrong}"
+            f"{file}: the first line must name the columns, each once, separated by commas, semicolons or"
+            f" tabs: name and optionally {', '.join(ROSTER[1:])}, or the columns of Gradescope, Canvas,"
+            f" Moodle or PrairieLearn{wrong}"
         )
     if login in heads and places.get("full_name") == heads.index(login):
         del places["full_name"]
@@ -104,22 +122,34 @@ def read(content: bytes, file: str, login: str | None = None) -> Roster:
         except ValueError as error:
             raise BadRoster(f"{file}, line {number}: {error}") from None
         if entries.setdefault(entry.name, entry) != entry:
-            raise BadRoster(f"{file}, line {number}: {entry.name} is listed twice with different values: keep one line")
+            raise BadRoster(
+                f"{file}, line {number}: {entry.name} is listed twice with different values: keep one line"
+            )
     if not entries:
         raise BadRoster(f"{file} has no entries: add a line for each person")
     used = {*places.values(), heads.index(login) if login in heads else -1}
-    return Roster([*entries.values()], login, choices, [head for place, head in enumerate(heads) if head and place not in used])
+    return Roster(
+        [*entries.values()],
+        login,
+        choices,
+        [head for place, head in enumerate(heads) if head and place not in used],
+    )
 
 
 def text(content: bytes) -> str:
-    """Return the text of a file in UTF-8 or, as Excel saves "Unicode text", UTF-16. Raises UnicodeDecodeError."""
+    """Return the text of a file in UTF-8 or, as Excel saves "Unicode text", UTF-16. Raises
+    UnicodeDecodeError.
+    """
     return content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
 
 
 def _separator(text: str) -> str:
     """Return the separator with which the first line has the most headings that are understood."""
     first = text.partition("\n")[0].strip("\r")
-    return max(SEPARATORS, key=lambda mark: sum(_plain(head) in KNOWN for head in next(csv.reader([first], delimiter=mark), [])))
+    return max(
+        SEPARATORS,
+        key=lambda mark: sum(_plain(head) in KNOWN for head in next(csv.reader([first], delimiter=mark), [])),
+    )
 
 
 def _plain(head: str) -> str:
@@ -133,7 +163,9 @@ def _cell(row: Sequence[str], place: int) -> str:
 def _places(heads: Sequence[str]) -> dict[str, int]:
     """Return the place of the first column of each meaning."""
     plain = [_plain(head) for head in heads]
-    found = {meaning: [plain.index(word) for word in words if word in plain] for meaning, words in MEANINGS.items()}
+    found = {
+        meaning: [plain.index(word) for word in words if word in plain] for meaning, words in MEANINGS.items()
+    }
     places = {meaning: min(known) for meaning, known in found.items() if known}
     if "name" in places and "full_name" not in places:
         places["full_name"] = places["name"]
@@ -141,8 +173,8 @@ def _places(heads: Sequence[str]) -> dict[str, int]:
 
 
 def _login(heads: Sequence[str], places: dict[str, int]) -> str:
-    """Return the heading of the login names: in polhode's own columns "name", else the first there is of a login name, an email
-    address and a name.
+    """Return the heading of the login names: in polhode's own columns "name", else the first there is of a
+    login name, an email address and a name.
     """
     plain = [_plain(head) for head in heads]
     if "name" in plain and set(plain) <= OWN:

@@ -20,7 +20,9 @@ DAY_S = 86400.0
 
 @dataclass(frozen=True)
 class TokenInfo:
-    """A token with its person, their role in the course, and its scopes; ``over`` is the reason why it is not valid, or None."""
+    """A token with its person, their role in the course, and its scopes; ``over`` is the reason why it is not
+    valid, or None.
+    """
 
     id: UUID
     person: str
@@ -34,18 +36,34 @@ class LoginOver(Exception):
 
 
 async def create(
-    connection: Connection, name: str, *, label: str, scopes: Sequence[str], seconds: float, prefix: str = PREFIX
+    connection: Connection,
+    name: str,
+    *,
+    label: str,
+    scopes: Sequence[str],
+    seconds: float,
+    prefix: str = PREFIX,
 ) -> str:
     """Return a new token of the person, who is added if unknown. Only its digest is stored."""
     await add_person(connection, name)
-    ((_, token),) = await create_all(connection, [name], label=label, scopes=scopes, seconds=seconds, prefix=prefix)
+    ((_, token),) = await create_all(
+        connection, [name], label=label, scopes=scopes, seconds=seconds, prefix=prefix
+    )
     return token
 
 
 async def create_all(
-    connection: Connection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float, prefix: str = PREFIX
+    connection: Connection,
+    names: Sequence[str],
+    *,
+    label: str,
+    scopes: Sequence[str],
+    seconds: float,
+    prefix: str = PREFIX,
 ) -> list[tuple[str, str]]:
-    """Return (name, new token) for each of these people, who must exist. Only the tokens' digests are stored."""
+    """Return (name, new token) for each of these people, who must exist.
+    Only the tokens' digests are stored.
+    """
     given = [(name, prefix + secrets.token_urlsafe(32)) for name in names]
     values = {
         "names": list(names),
@@ -84,7 +102,9 @@ async def revoke(connection: Connection, *, id: UUID | None = None, person: str 
 
 
 async def revoke_own(connection: Connection, name: str, id: UUID) -> bool:
-    """Revoke one token or session of the person. Return False if it is another person's or no longer valid."""
+    """Revoke one token or session of the person. Return False if it is another person's or no longer
+    valid.
+    """
     return bool(await connection.rows(_REVOKE_OWN, {"id": id, "person": name}))
 
 
@@ -138,7 +158,9 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
     async with database.begin() as connection:
         row = await connection.first(_COLLECT, {"digest": _digest(device)})
         if row is not None:
-            return await create(connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S), str(row.name)
+            return await create(
+                connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S
+            ), str(row.name)
     if not await database.rows(_PENDING, {"digest": _digest(device)}):
         raise LoginOver
     return None
@@ -156,11 +178,13 @@ def _tidy(code: str) -> str:
 _INSERT = """
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
 SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
-FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest, prefix)
+FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest,
+    prefix)
     JOIN person p USING (name)
 """
 _FIND = """
-SELECT t.id, p.name, coalesce(m.role, 'student') AS role, t.scopes, t.revoked_at, t.expires_at, t.expires_at < now() AS expired,
+SELECT t.id, p.name, coalesce(m.role, 'student') AS role, t.scopes, t.revoked_at, t.expires_at,
+    t.expires_at < now() AS expired,
     coalesce(t.used_at < now() - interval '1 hour', true) AS stale
 FROM token t JOIN person p ON p.id = t.person_id
     LEFT JOIN member m ON m.person_id = p.id AND m.course_id = (SELECT id FROM course WHERE slug = :course)
@@ -168,22 +192,27 @@ WHERE t.digest = :digest
 """
 _REVOKE = """
 UPDATE token t SET revoked_at = now() FROM person p
-WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid) OR p.name = CAST(:person AS text)) RETURNING t.id
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid)
+    OR p.name = CAST(:person AS text)) RETURNING t.id
 """
 _REVOKE_OWN = """
 UPDATE token t SET revoked_at = now() FROM person p
-WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t.id = :id AND p.name = :person RETURNING t.id
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t.id = :id AND p.name = :person
+    RETURNING t.id
 """
 _END = f"""
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
     AND starts_with(t.prefix, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
 """
-_DROP_LOGINS = "DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)"
+_DROP_LOGINS = (
+    "DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)"
+)
 _LIST = """
 SELECT t.id, p.name, t.prefix, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
     t.expires_at < now() AS expired
-FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY t.created_at DESC
+FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:person AS text), true)
+    ORDER BY t.created_at DESC
 """
 _BEGIN = """
 INSERT INTO device_login (device_digest, user_code, label, expires_at)
@@ -194,13 +223,17 @@ DELETE FROM device_login WHERE expires_at < now() OR device_digest IN (
     SELECT device_digest FROM device_login WHERE person_id IS NULL ORDER BY created_at DESC OFFSET :most
 )
 """
-_OPEN = "SELECT label FROM device_login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused"
+_OPEN = (
+    "SELECT label FROM device_login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND"
+    " NOT refused"
+)
 _CONFIRM = """
 UPDATE device_login SET person_id = :person, refused = :refused
 WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused RETURNING user_code
 """
 _COLLECT = """
-DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest AND l.expires_at > now()
+DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest
+    AND l.expires_at > now()
 RETURNING p.name, l.label
 """
 _PENDING = "SELECT 1 FROM device_login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"

@@ -38,27 +38,27 @@ class Cluster:
             raise DatabaseUnavailable(f"{self.folder} cannot be read ({error.strerror}): {REMEDY}") from error
         if remains:
             raise DatabaseUnavailable(
-                f"{self.folder} is not a complete database, PG_VERSION is missing: move it away and put the complete folder back, "
-                "or restore a backup with polhode db restore FILE"
+                f"{self.folder} is not a complete database, PG_VERSION is missing: move it away and put the"
+                " complete folder back, or restore a backup with polhode db restore FILE"
             )
         if traces := " and ".join(str(file) for file in (self.record, self._log) if file.exists()):
             raise DatabaseUnavailable(
-                f"the database folder {self.folder} is missing, although it existed before (see {traces}): {REMEDY}; "
-                f"to start with an empty database, move {traces} away"
+                f"the database folder {self.folder} is missing, although it existed before (see {traces}):"
+                f" {REMEDY}; to start with an empty database, move {traces} away"
             )
 
     def check_identity(self) -> None:
         """Raise DatabaseUnavailable if the folder is damaged or holds another cluster than recorded."""
         if loss := self._find_missing(NEEDED):
             raise DatabaseUnavailable(
-                f"the database in {self.folder.parent} is damaged, because {loss}: put back what is missing, or move {self.folder} "
-                "away and restore a backup with polhode db restore FILE"
+                f"the database in {self.folder.parent} is damaged, because {loss}: put back what is missing,"
+                f" or move {self.folder} away and restore a backup with polhode db restore FILE"
             )
         found, recorded = self.system_identifier(), self.recorded()
         if recorded is not None and recorded != found:
             raise DatabaseUnavailable(
-                f"{self.folder} holds another database (system identifier {found}) than {self.record} records ({recorded}): "
-                f"put the right folder back; to use this one, move {self.record} away"
+                f"{self.folder} holds another database (system identifier {found}) than {self.record} records"
+                f" ({recorded}): put the right folder back; to use this one, move {self.record} away"
             )
 
     def recorded(self) -> str | None:
@@ -77,7 +77,9 @@ class Cluster:
             with (self.folder / "global" / "pg_control").open("rb") as control:
                 start = control.read(8)  # the first field of ControlFileData
         except OSError as error:
-            raise DatabaseUnavailable(f"{self.folder}/global/pg_control cannot be read ({error.strerror}): {REMEDY}") from error
+            raise DatabaseUnavailable(
+                f"{self.folder}/global/pg_control cannot be read ({error.strerror}): {REMEDY}"
+            ) from error
         return str(int.from_bytes(start, sys.byteorder))
 
     def write_record(self, identifier: str) -> None:
@@ -95,7 +97,9 @@ class Cluster:
 
     def watch(self, database: int) -> None:
         """Remember the folder of a running server, whose database has that object id."""
-        tablespaces = [str(path.relative_to(self.folder)) for path in self.folder.glob(f"pg_tblspc/*/*/{database}")]
+        tablespaces = [
+            str(path.relative_to(self.folder)) for path in self.folder.glob(f"pg_tblspc/*/*/{database}")
+        ]
         self._needed = [*NEEDED, f"base/{database}", f"base/{database}/PG_VERSION", *tablespaces]
         self._identity = self._read_identity()
 
@@ -125,7 +129,11 @@ class Cluster:
                 if not os.stat(os.path.join(self.folder, path)).st_mode & 0o400:
                     reason = "cannot be read by its owner"
             except OSError as error:
-                reason = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})"
+                reason = (
+                    "is missing"
+                    if isinstance(error, FileNotFoundError)
+                    else f"cannot be read ({error.strerror})"
+                )
             if reason is not None:
                 return f"{Path(self.folder.name) / path} {reason}"
         return None

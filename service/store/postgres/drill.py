@@ -18,7 +18,9 @@ class Contents(NamedTuple):
 
 
 def back_up(url: str, programs: Path, file: Path) -> dict[str, Contents]:
-    """Write a backup to ``file`` while the server runs. Return the contents of each table at that moment. Raises BackupError."""
+    """Write a backup to ``file`` while the server runs. Return the contents of each table at that moment.
+    Raises BackupError.
+    """
     with psycopg.connect(url) as connection:
         connection.isolation_level = psycopg.IsolationLevel.REPEATABLE_READ
         snapshot = connection.execute("SELECT pg_export_snapshot()").fetchone()
@@ -28,7 +30,8 @@ def back_up(url: str, programs: Path, file: Path) -> dict[str, Contents]:
 
 
 def restore(file: Path, programs: Path, folder: Path) -> tuple[dict[str, Contents], dict[str, int]]:
-    """Restore ``file`` into a new database in ``folder``. Return the contents of each table, and what ``backup.check`` finds.
+    """Restore ``file`` into a new database in ``folder``. Return the contents of each table, and what
+    ``backup.check`` finds.
 
     Raises BackupError and DatabaseUnavailable.
     """

@@ -35,7 +35,8 @@ def as_server(programs: Path, *writable: Path) -> list[str]:
     program = find_bubblewrap()
     if program is None:
         raise DatabaseUnavailable(
-            "PostgreSQL does not run as root: start polhode as an ordinary user, or install bubblewrap, or set POLHODE_DATABASE_URL"
+            "PostgreSQL does not run as root: start polhode as an ordinary user, or install bubblewrap, or"
+            " set POLHODE_DATABASE_URL"
         )
     uid, gid = _server_ids()
     view = [program, "--die-with-parent", "--dev-bind", "/dev", "/dev", "--ro-bind", "/proc", "/proc"]
@@ -64,5 +65,6 @@ def _server_ids() -> tuple[int, int]:
             continue
         return user.pw_uid, user.pw_gid
     raise DatabaseUnavailable(
-        "PostgreSQL does not run as root, and the system has no user postgres or nobody: start polhode as an ordinary user"
+        "PostgreSQL does not run as root, and the system has no user postgres or nobody: start polhode as an"
+        " ordinary user"
     )

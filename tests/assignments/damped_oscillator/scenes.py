@@ -19,7 +19,12 @@ def _probes(rng: np.random.Generator) -> Inputs:
     """Draw random arguments, one call per row, with γ < ω."""
     omega = rng.uniform(0.5, 4.0, PROBES)
     y = rng.uniform(-2.0, 2.0, (PROBES, 2))
-    return {"t": rng.uniform(0.0, 20.0, PROBES), "y": y, "omega": omega, "gamma": omega * rng.uniform(0.05, 0.9, PROBES)}
+    return {
+        "t": rng.uniform(0.0, 20.0, PROBES),
+        "y": y,
+        "omega": omega,
+        "gamma": omega * rng.uniform(0.05, 0.9, PROBES),
+    }
 
 
 def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
@@ -31,7 +36,17 @@ def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
 
 def _motion(name: str, omega: float, gamma: float) -> Scene:
     inputs = {"y0": list(START), "omega": omega, "gamma": gamma, "t_end": T_END, "n": N}
-    return Scene(name, "motion", "oscillator", inputs, {"y": ArraySpec((2, N))}, _exact_motion, 5.0, after="probes", known=("t",))
+    return Scene(
+        name,
+        "motion",
+        "oscillator",
+        inputs,
+        {"y": ArraySpec((2, N))},
+        _exact_motion,
+        5.0,
+        after="probes",
+        known=("t",),
+    )
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
@@ -41,7 +56,16 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 SCENES = (
     # Called twice, in two processes and two orders: results that depend on anything but the arguments differ.
-    Scene("probes", "rates", "oscillator", _probes, {"rate": ArraySpec((PROBES, 2))}, _exact_rates, 2.0, twice=True),
+    Scene(
+        "probes",
+        "rates",
+        "oscillator",
+        _probes,
+        {"rate": ArraySpec((PROBES, 2))},
+        _exact_rates,
+        2.0,
+        twice=True,
+    ),
     _motion("damped", *DAMPED),
     _motion("undamped", *UNDAMPED),
 )

@@ -20,4 +20,9 @@ def motion(t: ArrayLike, y0: ArrayLike, omega: float, gamma: float) -> Array:
     t, (x0, v0) = np.asarray(t, dtype=float), np.asarray(y0, dtype=float)
     w = np.sqrt(omega**2 - gamma**2)
     decay, cos, sin = np.exp(-gamma * t), np.cos(w * t), np.sin(w * t)
-    return np.array([decay * (x0 * cos + (v0 + gamma * x0) / w * sin), decay * (v0 * cos - (gamma * v0 + omega**2 * x0) / w * sin)])
+    return np.array(
+        [
+            decay * (x0 * cos + (v0 + gamma * x0) / w * sin),
+            decay * (v0 * cos - (gamma * v0 + omega**2 * x0) / w * sin),
+        ]
+    )

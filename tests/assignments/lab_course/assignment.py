@@ -16,7 +16,15 @@ def _number(value):
 
 
 SCENES = (
-    Scene("line", "values", "model", {"x": X}, {"y": ArraySpec((3,))}, lambda inputs: {"y": 2 * np.array(inputs["x"])}, 2.0),
+    Scene(
+        "line",
+        "values",
+        "model",
+        {"x": X},
+        {"y": ArraySpec((3,))},
+        lambda inputs: {"y": 2 * np.array(inputs["x"])},
+        2.0,
+    ),
     Scene("misfit", "misfit", "residual", {"x": X, "y": X}, NUMBER, _number(5.0), 2.0, needs=("model",)),
     Scene("sum", "total", "total", {}, NUMBER, _number(6.0), 2.0),
     Scene("slope", "variable", "slope", {}, NUMBER, _number(2.0), 2.0),

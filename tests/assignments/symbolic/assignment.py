@@ -7,7 +7,9 @@ from scipy.integrate import quad
 from exercises.author import Notebook, Tolerance, choice, mistake
 from exercises.kinds.expression import expression, symbol
 
-notebook = Notebook("Symbolic calculations", setup="import numpy as np\nimport sympy as sp\n", packages=("sympy",))
+notebook = Notebook(
+    "Symbolic calculations", setup="import numpy as np\nimport sympy as sp\n", packages=("sympy",)
+)
 DIGITS = Tolerance(limit=1e-9, reason="the quadrature has ten digits")
 
 
@@ -25,7 +27,12 @@ notebook.exercise(
         truth=lambda a, n: quad(lambda x: x**n * np.exp(-a * x * x), -np.inf, np.inf, epsrel=1e-12)[0],
         agree=DIGITS,
         mistakes=[
-            mistake("(x, -sp.oo, sp.oo)", "(x, 0, sp.oo)", "constant-factor", "only positive x are integrated over"),
+            mistake(
+                "(x, -sp.oo, sp.oo)",
+                "(x, 0, sp.oo)",
+                "constant-factor",
+                "only positive x are integrated over",
+            ),
             mistake("-a * x**2", "-a * x**2 / 2", "constant-factor", "the exponent has a factor 1/2"),
         ],
     ),
@@ -44,8 +51,13 @@ notebook.exercise(
         flow,
         ask={"z": symbol(0.5, 2, complex=True), "U": symbol(0.5, 2)},
         truth=lambda z, U: (U * (z * z + 1) / z, U * (1 - z**-2)),
-        agree={"potential": Tolerance(limit=1e-13, reason="rounding"), "velocity": Tolerance(limit=1e-13, reason="rounding")},
-        mistakes=[mistake("sp.diff(w, z)", "sp.diff(w, z, 2)", "missing-term", "it is the second derivative")],
+        agree={
+            "potential": Tolerance(limit=1e-13, reason="rounding"),
+            "velocity": Tolerance(limit=1e-13, reason="rounding"),
+        },
+        mistakes=[
+            mistake("sp.diff(w, z)", "sp.diff(w, z, 2)", "missing-term", "it is the second derivative")
+        ],
     ),
 )
 

@@ -50,7 +50,12 @@ notebook.exercise(
     "A root finder",
     values(
         find_root,
-        ask={"f": family("E - e*sin(E) - M", "E", M=uniform(0.01, 3.1), e=uniform(0, 0.99)), "a": 0.0, "b": pi, "tol": 1e-12},
+        ask={
+            "f": family("E - e*sin(E) - M", "E", M=uniform(0.01, 3.1), e=uniform(0, 0.99)),
+            "a": 0.0,
+            "b": pi,
+            "tol": 1e-12,
+        },
         truth=kepler,
         agree=Tolerance(atol=2e-12, reason="tol, twice"),
         points=4,
@@ -173,10 +178,17 @@ notebook.exercise(
         agree=Tolerance(limit=1e-13, reason=ROUNDING),
         t_end=10.0,
         follow=Tolerance(limit=1e-7, reason="a hundred times the error of the integration"),
-        conserved={"energy": ("y[1]**2 / 2 - g * cos(y[0])", Tolerance(limit=1e-8, reason="the error of the integration"))},
+        conserved={
+            "energy": (
+                "y[1]**2 / 2 - g * cos(y[0])",
+                Tolerance(limit=1e-8, reason="the error of the integration"),
+            )
+        },
         mistakes=[
             mistake("np.sin(y[0])", "y[0]", "missing-term", "the angle is not small"),
-            mistake("-g * np.sin(y[0])", "-g * np.sin(y[0]) - 1e-4 * y[1]", "wrong-quantity", "friction is added"),
+            mistake(
+                "-g * np.sin(y[0])", "-g * np.sin(y[0]) - 1e-4 * y[1]", "wrong-quantity", "friction is added"
+            ),
         ],
     ),
 )
@@ -199,7 +211,14 @@ notebook.exercise(
     stepper(
         rk4_step,
         ask={
-            "f": family("A @ y + b * cos(t) - c * y**3", "t", "y", A=uniform(-1, 1, 3, 3), b=uniform(-1, 1, 3), c=uniform(0, 1)),
+            "f": family(
+                "A @ y + b * cos(t) - c * y**3",
+                "t",
+                "y",
+                A=uniform(-1, 1, 3, 3),
+                b=uniform(-1, 1, 3),
+                c=uniform(0, 1),
+            ),
             "t": uniform(0, 9),
             "y": uniform(-1, 1, 3),
             "h": uniform(0.1, 0.4),
@@ -210,9 +229,21 @@ notebook.exercise(
         order=(4, Tolerance(atol=0.3, reason=ORDER)),
         stability=(2.785, Tolerance(rtol=1e-3, atol=0, reason=SEARCHED)),
         mistakes=[
-            mistake("h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)", "h * k1", "wrong-quantity", "this is Euler's step"),
-            mistake("k1 + 2 * k2 + 2 * k3 + k4", "1.5 * (k1 + k2 + k3 + k4)", "constant-factor", "the slopes are weighted alike"),
-            mistake("f(t + h / 2, y + h / 2 * k2)", "f(t, y + h / 2 * k2)", "missing-term", "the third slope is that of time t"),
+            mistake(
+                "h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)", "h * k1", "wrong-quantity", "this is Euler's step"
+            ),
+            mistake(
+                "k1 + 2 * k2 + 2 * k3 + k4",
+                "1.5 * (k1 + k2 + k3 + k4)",
+                "constant-factor",
+                "the slopes are weighted alike",
+            ),
+            mistake(
+                "f(t + h / 2, y + h / 2 * k2)",
+                "f(t, y + h / 2 * k2)",
+                "missing-term",
+                "the third slope is that of time t",
+            ),
             mistake("    k1 =", "    f(t, y)\n    k1 ="),
         ],
     ),
@@ -282,7 +313,10 @@ notebook.exercise(
         energies,
         ask={"x": uniform(-1, 1), "v": uniform(-2, 2), "k": uniform(1, 9), "m": uniform(1, 3)},
         truth=lambda x, v, k, m: {"kinetic": 0.5 * m * v * v, "potential": 0.5 * k * x * x},
-        agree={"kinetic": Tolerance(rtol=1e-13, reason=ROUNDING), "potential": Tolerance(rtol=1e-13, reason=ROUNDING)},
+        agree={
+            "kinetic": Tolerance(rtol=1e-13, reason=ROUNDING),
+            "potential": Tolerance(rtol=1e-13, reason=ROUNDING),
+        },
         keys=True,
         mistakes=[mistake("v**2 / 2", "v**2", "constant-factor", "the kinetic energy lacks its factor 1/2")],
     ),
@@ -326,7 +360,12 @@ notebook.exercise(
             mistake("-tau *", "-", "missing-term", "the decay time is missing"),
             mistake("-tau *", "-1.05 * tau *"),
             mistake("rng.random(n)", "np.repeat(rng.random(n // 2), 2)"),
-            mistake("rng.random(n)", "np.random.default_rng(1).random(n)", "ignores-argument", "the generator is not used"),
+            mistake(
+                "rng.random(n)",
+                "np.random.default_rng(1).random(n)",
+                "ignores-argument",
+                "the generator is not used",
+            ),
             mistake("rng.random(n)", "np.random.random(n)"),
         ],
     ),
@@ -354,8 +393,15 @@ notebook.exercise(
             mistake(" / sqrt(n)", "", "missing-term", "the error is that of a point, not of the mean"),
             mistake("hits.std()", "10 * hits.std()"),
             mistake("hits.mean()", "hits.mean() + 0.02"),
-            mistake("random((2, n))", "random((2, n // 2))", "missing-term", "only half of the points are drawn"),
-            mistake("np.random.random(", "np.random.default_rng(5).random(", "fixed-seed", "every call starts with the same seed"),
+            mistake(
+                "random((2, n))", "random((2, n // 2))", "missing-term", "only half of the points are drawn"
+            ),
+            mistake(
+                "np.random.random(",
+                "np.random.default_rng(5).random(",
+                "fixed-seed",
+                "every call starts with the same seed",
+            ),
         ],
     ),
 )
@@ -388,10 +434,22 @@ notebook.exercise(
             Tolerance(limit=1e-4, reason="of two standard deviations"),
         ),
         mistakes=[
-            mistake("sigma=sigma, absolute_sigma=True, ", "", "missing-term", "the errors of the data are not used"),
+            mistake(
+                "sigma=sigma, absolute_sigma=True, ",
+                "",
+                "missing-term",
+                "the errors of the data are not used",
+            ),
             mistake("sigma=sigma", "sigma=sigma**2"),
-            mistake("absolute_sigma=True", "absolute_sigma=False", "constant-factor", "the covariance is scaled by χ²/(n − p)"),
-            mistake("return p, C", "return p, np.diag(np.diag(C))", "missing-term", "the covariances are missing"),
+            mistake(
+                "absolute_sigma=True",
+                "absolute_sigma=False",
+                "constant-factor",
+                "the covariance is scaled by χ²/(n − p)",
+            ),
+            mistake(
+                "return p, C", "return p, np.diag(np.diag(C))", "missing-term", "the covariances are missing"
+            ),
             mistake("return p, C", "return p, np.sqrt(abs(C))"),
         ],
     ),
@@ -417,7 +475,9 @@ notebook.exercise(
         truth={"rate": 3**-0.5, "axes": lambda: [1 / 6, 1 / 3, 1 / 2]},
         agree={
             "rate": Tolerance(rtol=1e-12, reason=ROUNDING),
-            "axes": Value(Tolerance(rtol=1e-12, reason=ROUNDING), label="the moments are fractions of their sum"),
+            "axes": Value(
+                Tolerance(rtol=1e-12, reason=ROUNDING), label="the moments are fractions of their sum"
+            ),
         },
         claims=[
             claim(
@@ -427,8 +487,12 @@ notebook.exercise(
             )
         ],
         mistakes=[
-            mistake("(first * third)", "(first * second)", "wrong-index", "the second moment stands for the third"),
-            mistake("np.cosh(4 * rate)", "np.cos(4 * rate)", "missing-term", "it oscillates instead of growing"),
+            mistake(
+                "(first * third)", "(first * second)", "wrong-index", "the second moment stands for the third"
+            ),
+            mistake(
+                "np.cosh(4 * rate)", "np.cos(4 * rate)", "missing-term", "it oscillates instead of growing"
+            ),
             mistake(" / moments.sum()", " / moments"),
         ],
     ),
@@ -471,7 +535,14 @@ notebook.exercise(
         ask={"f": DECAY, "t": 0.0, "y": uniform(-1, 1, 2), "h": uniform(0.05, 0.2)},
         truth=lambda k, y, h: y * growth(-k * h),
         agree=Tolerance(limit=1e-13, reason=ROUNDING),
-        mistakes=[mistake("h / 2 * (slope + f(t + h, y + h * slope))", "h * slope", "wrong-quantity", "this is Euler's step")],
+        mistakes=[
+            mistake(
+                "h / 2 * (slope + f(t + h, y + h * slope))",
+                "h * slope",
+                "wrong-quantity",
+                "this is Euler's step",
+            )
+        ],
     ),
     values(
         integrate,
@@ -527,11 +598,28 @@ notebook.exercise(
         animate_pendulums,
         ask={"t": SECONDS, "a": swing(-0.7, TOGETHER + OPPOSED), "b": swing(0.7, TOGETHER - OPPOSED)},
         follow=("a", "b"),
-        agree=Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"),
+        agree=Tolerance(
+            limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"
+        ),
         mistakes=[
-            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "a[k, 0]], [a[k, 1], a[k, 1]]", "wrong-motion", "a is drawn twice"),
-            mistake("(k):\n", "(k):\n        k = k * k // len(t)\n", "wrong-frames", "the samples are not shown at an even rate"),
-            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "b[0, 0]], [a[k, 1], b[0, 1]]", "wrong-motion", "b stays where it begins"),
+            mistake(
+                "b[k, 0]], [a[k, 1], b[k, 1]]",
+                "a[k, 0]], [a[k, 1], a[k, 1]]",
+                "wrong-motion",
+                "a is drawn twice",
+            ),
+            mistake(
+                "(k):\n",
+                "(k):\n        k = k * k // len(t)\n",
+                "wrong-frames",
+                "the samples are not shown at an even rate",
+            ),
+            mistake(
+                "b[k, 0]], [a[k, 1], b[k, 1]]",
+                "b[0, 0]], [a[k, 1], b[0, 1]]",
+                "wrong-motion",
+                "b stays where it begins",
+            ),
         ],
     ),
 )

@@ -1,4 +1,5 @@
-"""What the comparison with other autograders makes of their answers and of the clock; ``make bench`` installs the peers themselves.
+"""What the comparison with other autograders makes of their answers and of the clock; ``make bench`` installs
+the peers themselves.
 
 The files in tests/peers are what the peers and polhode left of a real run.
 """
@@ -43,7 +44,16 @@ def test_marks_are_read_from_nbgraders_export_and_our_reports():
 
 
 @pytest.mark.parametrize(
-    "text", [None, "", "{}", "[1]", "null", '{"tests": [{"max_score": 2}]}', '{"reports": [{"file": "zeros.py", "report": null}]}']
+    "text",
+    [
+        None,
+        "",
+        "{}",
+        "[1]",
+        "null",
+        '{"tests": [{"max_score": 2}]}',
+        '{"reports": [{"file": "zeros.py", "report": null}]}',
+    ],
 )
 @pytest.mark.parametrize("read", READERS)
 def test_no_answer_is_no_marks(read, text, tmp_path):
@@ -92,7 +102,8 @@ def test_submissions_are_scripts_and_valid_notebooks_of_the_same_text():
 
 
 @pytest.mark.parametrize(
-    "text", [check50.CHECKS, gradescope.TESTS, otter.TESTS, otter.LOOP, nbgrader.ENERGY_CELL, nbgrader.MOMENTUM_CELL]
+    "text",
+    [check50.CHECKS, gradescope.TESTS, otter.TESTS, otter.LOOP, nbgrader.ENERGY_CELL, nbgrader.MOMENTUM_CELL],
 )
 def test_what_is_given_to_peers_is_python(text):
     compile(text, "given", "exec")
@@ -110,20 +121,26 @@ def test_nothing_of_ours_reaches_into_a_peers_environment(monkeypatch):
     for name in ("PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "POLHODE_DATA", "VIRTUAL_ENV", "MPLBACKEND"):
         monkeypatch.setenv(name, "1")
     cleaned = clean_environment(Path("/nowhere"), Path("/tools"))
-    assert not {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "POLHODE_DATA", "VIRTUAL_ENV", "MPLBACKEND"} & set(cleaned)
+    assert not {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "POLHODE_DATA", "VIRTUAL_ENV", "MPLBACKEND"} & set(
+        cleaned
+    )
     assert cleaned["HOME"] == "/nowhere"
     assert cleaned["PATH"].startswith("/tools:")
 
 
 def here(tmp_path, *codes):
-    place = Workspace(Path(sys.executable), tmp_path, clean_environment(tmp_path, Path(sys.executable).parent))
+    place = Workspace(
+        Path(sys.executable), tmp_path, clean_environment(tmp_path, Path(sys.executable).parent)
+    )
     return [Command([sys.executable, "-S", "-c", code], tmp_path) for code in codes], place
 
 
 def test_the_clock_counts_waiting_and_work_of_grandchildren_too(tmp_path):
     busy = "import time\nwhile time.process_time() < 0.3: pass"
     commands, place = here(
-        tmp_path, "import time; time.sleep(0.3)", f"import subprocess, sys; subprocess.run([sys.executable, '-S', '-c', {busy!r}])"
+        tmp_path,
+        "import time; time.sleep(0.3)",
+        f"import subprocess, sys; subprocess.run([sys.executable, '-S', '-c', {busy!r}])",
     )
     waited, worked = clock(commands[:1], place), clock(commands[1:], place)
     assert waited.wall >= 0.3 > waited.cpu
@@ -193,15 +210,21 @@ def test_goals_are_ratios_of_medians_in_one_run():
 
 
 def test_tables():
-    assert table.times(ROWS[:2]) == (
-        "| tool              | what            | wall s | least – greatest | CPU s | wall s each | CPU s each |\n"
-        "|-------------------|-----------------|--------|------------------|-------|-------------|------------|\n"
-        "| polhode over HTTP | one             | 0.100  | 0.090 – 0.500    | 0.050 | 0.100       | 0.050      |\n"
-        "| polhode grade     | 10: one command | 1.000  | 1.000 – 1.000    | 0.500 | 0.100       | 0.050      |"
+    assert (
+        table.times(ROWS[:2])
+        == "| tool              | what            | wall s | least – greatest | CPU s | wall s each | CPU s"
+        " each"
+        " |\n|-------------------|-----------------|--------|------------------|-------|-------------|------------|\n|"
+        " polhode over HTTP | one             | 0.100  | 0.090 – 0.500    | 0.050 | 0.100       | 0.050   "
+        "   |\n| polhode grade     | 10: one command | 1.000  | 1.000 – 1.000    | 0.500 | 0.100       |"
+        " 0.050      |"
     )
-    given = {"ours": {"right": Marks(5, 5), "zeros": Marks(2, 5)}, "theirs": {"right": Marks(2.0, 2.0), "zeros": "no answer"}}
-    assert table.verdicts(["right", "zeros"], given) == (
-        "| submission | ours    | theirs    |\n"
+    given = {
+        "ours": {"right": Marks(5, 5), "zeros": Marks(2, 5)},
+        "theirs": {"right": Marks(2.0, 2.0), "zeros": "no answer"},
+    }
+    assert (
+        table.verdicts(["right", "zeros"], given) == "| submission | ours    | theirs    |\n"
         "|------------|---------|-----------|\n"
         "| right      | **5/5** | **2/2**   |\n"
         "| zeros      | 2/5     | no answer |"
@@ -219,7 +242,9 @@ def test_a_tool_is_sound_if_it_tells_right_from_a_slip():
 
 
 class Strict(Peer):
-    """Gives a mark for what takes the moments apart and none for other texts; has no answer where np.max is mentioned."""
+    """Gives a mark for what takes the moments apart and none for other texts; has no answer where np.max is
+    mentioned.
+    """
 
     name, batch = "strict", "a loop"
 
@@ -230,7 +255,9 @@ class Strict(Peer):
 
     def one(self, name):
         code = f"text = open({name!r}).read(); print('np.max' in text or int('I1, I2, I3 = I' in text))"
-        return Command([sys.executable, "-S", "-c", code], self.workspace.folder, self.workspace.folder / f"{name}.out")
+        return Command(
+            [sys.executable, "-S", "-c", code], self.workspace.folder, self.workspace.folder / f"{name}.out"
+        )
 
     def marks(self, name):
         text = (self.workspace.folder / f"{name}.out").read_text().strip()
@@ -244,7 +271,11 @@ def test_every_kind_is_judged_and_timed_ones_must_be_right(tmp_path, capsys):
     tool, sent = Strict(place), submissions(1)
     given = verdicts([tool], sent)["strict"]
     assert list(given) == list(SAMPLES)
-    assert (given["right"], given["zeros"], given["np.max patched"]) == (Marks(1, 1), Marks(0, 1), "no answer")
+    assert (given["right"], given["zeros"], given["np.max patched"]) == (
+        Marks(1, 1),
+        Marks(0, 1),
+        "no answer",
+    )
     assert "strict, np.max patched: np.max" in capsys.readouterr().out
     assert len(graded(tool, [tool.one("right")], ["right"])) == 1
     with pytest.raises(NoMarks, match="zeros rejected"):
@@ -254,7 +285,9 @@ def test_every_kind_is_judged_and_timed_ones_must_be_right(tmp_path, capsys):
 def test_a_tool_that_cannot_be_prepared_has_no_answers(tmp_path, capsys):
     class Broken(Strict):
         def prepare(self, submissions):
-            return [Command([sys.executable, "-S", "-c", "raise SystemExit('no kernel')"], self.workspace.folder)]
+            return [
+                Command([sys.executable, "-S", "-c", "raise SystemExit('no kernel')"], self.workspace.folder)
+            ]
 
     given = verdicts([Broken(here(tmp_path)[1])], submissions(1))
     assert set(given["strict"].values()) == {"no answer"}

@@ -67,7 +67,9 @@ def circles(t, a, b):
 def artist_animation(t, a, b):
     fig, ax = axes()
     limited(ax)
-    return ArtistAnimation(fig, [ax.plot([p[0], q[0]], [p[1], q[1]], "ko") for p, q in zip(a, b, strict=True)])
+    return ArtistAnimation(
+        fig, [ax.plot([p[0], q[0]], [p[1], q[1]], "ko") for p, q in zip(a, b, strict=True)]
+    )
 
 
 def cleared_every_frame(t, a, b):
@@ -114,7 +116,9 @@ def in_space(t, a, b):
     ax.set(xlim=(-2, 2), ylim=(-1, 1), zlim=(-1.5, 0.5))
     ax.view_init(10, 40)
     (bobs,) = ax.plot([], [], [], "o")
-    return FuncAnimation(fig, lambda k: bobs.set_data_3d([a[k, 0], b[k, 0]], [0, 0], [a[k, 1], b[k, 1]]), frames=len(t))
+    return FuncAnimation(
+        fig, lambda k: bobs.set_data_3d([a[k, 0], b[k, 0]], [0, 0], [a[k, 1], b[k, 1]]), frames=len(t)
+    )
 
 
 SOME, MORE = (
@@ -136,7 +140,10 @@ def question(toolbox):
 
 def outcomes(asked, seen, truth):
     """Return the outcomes of the public checks by the end of their ids."""
-    return {c.id.split("-")[-1]: c.judge([seen], [truth]) for c in question_checks(asked, f"{asked['id']}-public", False)}
+    return {
+        c.id.split("-")[-1]: c.judge([seen], [truth])
+        for c in question_checks(asked, f"{asked['id']}-public", False)
+    }
 
 
 @pytest.mark.parametrize("drawing", [*SOME, *(pytest.param(one, marks=pytest.mark.slow) for one in MORE)])
@@ -180,7 +187,11 @@ ALL = np.arange(50)
         (lambda a, b: (a[ALL // 2], b[ALL // 2]), "ab", "shows only samples 0–24 of 50"),
         (lambda a, b: (a[2 * ALL % 50], b[2 * ALL % 50]), "ab", "begins again"),
         (lambda a, b: (a[ALL**2 // 50], b[ALL**2 // 50]), "ab", "its samples are mistimed"),
-        (lambda a, b: (a[np.minimum(2 * ALL, 49)], b[np.minimum(2 * ALL, 49)]), "ab", "later frames do not change"),
+        (
+            lambda a, b: (a[np.minimum(2 * ALL, 49)], b[np.minimum(2 * ALL, 49)]),
+            "ab",
+            "later frames do not change",
+        ),
         (lambda a, b: (np.outer(ALL, [0.01, 0]), b[:1] + 0 * a), "ab", "nothing that moves follows"),
         (lambda a, b: (a[:6], b[:6]), "ab", "too short to show the motion: 6 frames"),
     ],
@@ -202,12 +213,20 @@ def interpolated(x, at):
 
 
 @pytest.mark.parametrize("frames", [20, 37, 50, 51, 100, 240])
-@pytest.mark.parametrize("values", [lambda at: np.floor(at).astype(int), lambda at: np.rint(at).astype(int), lambda at: at])
+@pytest.mark.parametrize(
+    "values", [lambda at: np.floor(at).astype(int), lambda at: np.rint(at).astype(int), lambda at: at]
+)
 def test_every_frame_rate_passes(toolbox, frames, values):
     truth = question(toolbox).exact({})
     at = values(np.linspace(0, 49, frames))
-    found = outcomes(question(toolbox).document, recorded(interpolated(truth["a"], at), interpolated(truth["b"], at)), truth)
-    assert [outcome.verdict for outcome in found.values()] == [Verdict.PASS] * 3, [outcome.line for outcome in found.values()]
+    found = outcomes(
+        question(toolbox).document,
+        recorded(interpolated(truth["a"], at), interpolated(truth["b"], at)),
+        truth,
+    )
+    assert [outcome.verdict for outcome in found.values()] == [Verdict.PASS] * 3, [
+        outcome.line for outcome in found.values()
+    ]
 
 
 ORBIT = np.column_stack([np.cos(ALL / 8) - 0.3, 0.9 * np.sin(ALL / 8), 0.4 * np.sin(ALL / 5)])
@@ -266,7 +285,9 @@ def test_a_drawn_trajectory_has_a_hidden_scene():
 def test_an_author_gets_the_errors_of_a_declaration():
     ask = {"t": ALL / 8, "x": ORBIT[:, :2], "y": 0 * ORBIT, "z": ORBIT[:40]}
     wrong = animation(lambda t, x, y, z: None, ask, ("x", "y", "z"), Tolerance(rtol=0.1, reason="of a test"))
-    assert wrong.wrong == {"agree": ["agree is Tolerance(rtol=0.1, reason='of a test'); it must be Tolerance(limit=…, reason=…)"]}
+    assert wrong.wrong == {
+        "agree": ["agree is Tolerance(rtol=0.1, reason='of a test'); it must be Tolerance(limit=…, reason=…)"]
+    }
     wrong = animation(lambda t, x, y, z: None, ask, ("x", "y", "z"), Tolerance(limit=0.1, reason="of a test"))
     assert [error.split(": ", 1)[1] for error in wrong.errors()] == [
         "the trajectories must all have 2 or all have 3 coordinates",
@@ -280,8 +301,12 @@ def test_an_author_gets_the_errors_of_a_declaration():
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "failed"), [(0, {"13-b"}), (1, {"13-a", "13-b"}), (2, {"13-b"})])
 def test_a_mistake_fails_its_checks(toolbox, sandbox, number, failed):
-    report = grade(Submission(mistaken(toolbox, "animate_pendulums", number)), toolbox.assignment, sandbox, 1).report
-    assert {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL} == failed, report.text()
+    report = grade(
+        Submission(mistaken(toolbox, "animate_pendulums", number)), toolbox.assignment, sandbox, 1
+    ).report
+    assert {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL} == failed, (
+        report.text()
+    )
 
 
 @pytest.mark.slow
@@ -289,4 +314,6 @@ def test_the_right_solution_in_the_sandbox_and_in_the_kit(toolbox, sandbox, tmp_
     source = question(toolbox).source
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
     assert report.passed and [sheet.name for sheet in report.animations] == ["13-public"], report.text()
-    assert json.loads(check_locally("toolbox", source, tmp_path)) == [outcome.line for outcome in report.outcomes()]
+    assert json.loads(check_locally("toolbox", source, tmp_path)) == [
+        outcome.line for outcome in report.outcomes()
+    ]

@@ -46,7 +46,9 @@ def test_the_right_solutions_pass_in_the_sandbox_and_in_the_kit(symbolic, sympy_
 def test_mistakes_fail_in_the_sandbox(symbolic, sympy_sandbox):
     for function, number in (("gaussian_moment", 0), ("flow", 0)):
         wrong = report(symbolic, sympy_sandbox, mistaken(symbolic, function, number))
-        assert {o.verdict for o in wrong.outcomes() if not o.label.startswith("flow is right: potential")} == {Verdict.FAIL}
+        assert {
+            o.verdict for o in wrong.outcomes() if not o.label.startswith("flow is right: potential")
+        } == {Verdict.FAIL}
 
 
 def unmeasured(symbolic, answer):
@@ -63,7 +65,10 @@ def unmeasured(symbolic, answer):
     except WrongAnswer as error:
         return str(error)
     truth = question.exact(rows)
-    assert abs(seen["velocity"] - truth["velocity"]).max() < 1e-13 and abs(seen["potential"] - truth["potential"]).max() < 1e-13
+    assert (
+        abs(seen["velocity"] - truth["velocity"]).max() < 1e-13
+        and abs(seen["potential"] - truth["potential"]).max() < 1e-13
+    )
     return None
 
 

@@ -22,7 +22,13 @@ def failed(question, names, seed=0):
 
 @pytest.mark.parametrize(
     ("number", "names"),
-    [(0, [PARAMETERS, COVARIANCE]), (1, [PARAMETERS, COVARIANCE]), (2, [COVARIANCE]), (3, [COVARIANCE]), (4, [COVARIANCE])],
+    [
+        (0, [PARAMETERS, COVARIANCE]),
+        (1, [PARAMETERS, COVARIANCE]),
+        (2, [COVARIANCE]),
+        (3, [COVARIANCE]),
+        (4, [COVARIANCE]),
+    ],
 )
 def test_a_mistake_fails_its_checks(toolbox, number, names):
     question = next(q for q in toolbox.notebook.questions() if q.kind == "fit")
@@ -60,7 +66,9 @@ def test_a_straight_line_by_the_normal_equations(absolute):
 
 def test_a_covariance_that_is_not_finite_fails_alone(toolbox):
     question = next(q for q in toolbox.notebook.questions() if q.kind == "fit")
-    assert failed(question, question.defined_by(question.source.replace("return p, C", "return p, C * np.nan"))) == [COVARIANCE]
+    assert failed(
+        question, question.defined_by(question.source.replace("return p, C", "return p, C * np.nan"))
+    ) == [COVARIANCE]
 
 
 def resonance(x, y, s):

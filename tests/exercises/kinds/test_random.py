@@ -1,4 +1,6 @@
-"""Random output: mistakes fail in the sandbox and on every seed, and right solutions fail at the stated rate."""
+"""Random output: mistakes fail in the sandbox and on every seed,
+and right solutions fail at the stated rate.
+"""
 
 from dataclasses import replace
 from math import pi, sqrt
@@ -38,14 +40,19 @@ def failed(question, names, seed=0):
     """The checks that fail for a solution, with new inputs where the question draws any."""
     rows = question.draw(np.random.default_rng(seed), question.rows[1] if question.drawn else 1)
     truth = question.exact(rows)
-    seen = {**question.play(names, rows), **{name: array for name, array in truth.items() if name.startswith("at_")}}
+    seen = {
+        **question.play(names, rows),
+        **{name: array for name, array in truth.items() if name.startswith("at_")},
+    }
     outcomes = [check.judge([seen], [truth]) for check in question_checks(question.asked, "scene", False)]
     return [o.id.rpartition("-")[2] for o in outcomes if o.verdict is not Verdict.PASS]
 
 
 @pytest.mark.slow
 def test_a_mistake_fails_its_check_in_the_sandbox(toolbox, sandbox):
-    report = grade(Submission(mistaken(toolbox, "decay_times", 2)), toolbox.assignment, sandbox, 1, ["9"]).report
+    report = grade(
+        Submission(mistaken(toolbox, "decay_times", 2)), toolbox.assignment, sandbox, 1, ["9"]
+    ).report
     found = {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL}
     assert found == {"9-decay_times-independence", "9-decay_times-new-independence"}, report.text()
 
@@ -68,7 +75,9 @@ def integral(n, rng):
 
 
 NOISE = samples(noise, {"n": 200, "seed": seed()}, "norm", loc=0, scale=1, rows=(1, 2000))
-INTEGRAL = estimate(integral, {"n": 100, "rng": generator()}, 0.5, sd=lambda n: 1 / sqrt(12 * n), rows=(1, 2000))
+INTEGRAL = estimate(
+    integral, {"n": 100, "rng": generator()}, 0.5, sd=lambda n: 1 / sqrt(12 * n), rows=(1, 2000)
+)
 
 
 def rejects(test, question, seen, truth):
@@ -86,7 +95,10 @@ def test_each_test_rejects_right_solutions_at_its_rate(question):
     for name, (_, test) in tests.items():
         for rate in (0.1, 0.01, question.data["rate"]):
             asked = {**question.asked, "rate": rate}
-            each = [({n: a[k : k + 1] for n, a in seen.items()}, {n: a[k : k + 1] for n, a in truth.items()}) for k in range(2000)]
+            each = [
+                ({n: a[k : k + 1] for n, a in seen.items()}, {n: a[k : k + 1] for n, a in truth.items()})
+                for k in range(2000)
+            ]
             rejected = sum(rejects(test, asked, *one) for one in each)
             assert rejected <= 2000 * rate + 4 * sqrt(2000 * rate * (rate > 1e-3)), name
             assert rejected >= 2000 * rate / 2 or rate < 1e-3, name  # a test that never rejects has no power
@@ -113,7 +125,10 @@ def test_two_rare_events_in_succession_are_no_correlation():
         ("def noise(n, seed):\n    np.random.seed(seed)\n    return np.random.normal(size=n)", []),
         ("def noise(n, seed):\n    return np.random.default_rng(seed).normal(0, 1.1, n)", ["distribution"]),
         ("def noise(n, seed):\n    return np.random.default_rng(seed).normal(0.05, 1, n)", ["distribution"]),
-        ("def noise(n, seed):\n    return np.sort(np.random.default_rng(seed).normal(size=n))", ["independence"]),
+        (
+            "def noise(n, seed):\n    return np.sort(np.random.default_rng(seed).normal(size=n))",
+            ["independence"],
+        ),
         ("def noise(n, seed):\n    return np.random.normal(size=n)", ["repeated"]),
         ("def noise(n, seed):\n    return np.full(n, 0.3)", ["distribution", "repeated"]),
     ],
@@ -132,10 +147,17 @@ def die(n, p, seed):
     return np.random.default_rng(seed).choice([1, 6], n, p=[1 - p, p])
 
 
-LOADED = samples(die, {"n": 500, "p": uniform(0.2, 0.8), "seed": seed()}, "rv_discrete", values=lambda p: [[1, 6], [1 - p, p]])
+LOADED = samples(
+    die,
+    {"n": 500, "p": uniform(0.2, 0.8), "seed": seed()},
+    "rv_discrete",
+    values=lambda p: [[1, 6], [1 - p, p]],
+)
 
 
-@pytest.mark.parametrize(("two", "names"), [("1, 6", []), ("6, 1", ["distribution"]), ("1, 5", ["distribution"])])
+@pytest.mark.parametrize(
+    ("two", "names"), [("1, 6", []), ("6, 1", ["distribution"]), ("1, 5", ["distribution"])]
+)
 def test_samples_of_a_table_of_probabilities(two, names):
     source = f"def die(n, p, seed):\n    return np.random.default_rng(seed).choice([{two}], n, p=[1 - p, p])"
     question = replace(LOADED, id="1")
@@ -146,7 +168,12 @@ def test_an_allowed_systematic_error_is_not_rejected():
     biased = "def integral(n, rng):\n    return rng.random(n).mean() + 0.02"
     exact = replace(INTEGRAL, rows=(1, 2))
     allowed = estimate(
-        integral, dict(INTEGRAL.ask), 0.5, sd=lambda n: 1 / sqrt(12 * n), bias=Tolerance(atol=0.03, reason="the step"), rows=(1, 2)
+        integral,
+        dict(INTEGRAL.ask),
+        0.5,
+        sd=lambda n: 1 / sqrt(12 * n),
+        bias=Tolerance(atol=0.03, reason="the step"),
+        rows=(1, 2),
     )
     assert failed(exact, exact.defined_by(biased)) == ["mean"]
     assert failed(allowed, allowed.defined_by(biased)) == []
@@ -154,7 +181,9 @@ def test_an_allowed_systematic_error_is_not_rejected():
 
 def test_an_inflated_error_does_not_excuse_a_wrong_estimate(toolbox):
     question = next(q for q in toolbox.notebook.questions() if q.function == "pi_estimate")
-    inflated = question.source.replace("hits.mean()", "hits.mean() + 0.02").replace("hits.std()", "100 * hits.std()")
+    inflated = question.source.replace("hits.mean()", "hits.mean() + 0.02").replace(
+        "hits.std()", "100 * hits.std()"
+    )
     assert failed(question, question.defined_by(inflated)) == ["mean", "error"]
 
 
@@ -183,13 +212,16 @@ def test_the_mean_of_the_returned_errors(error, names):
     wide = Tolerance(limit=0.25, reason="five times the spread of an error")
     ask, sd = {"n": 400, "rng": generator()}, 1 / sqrt(12 * 400)
     question = replace(estimate(mean_and_error, ask, 0.5, sd=sd, error=wide, mean_error=NEAR), id="1")
-    names_of = question.defined_by(f"def mean_and_error(n, rng):\n    x = rng.random(n)\n    return x.mean(), {error}")
+    names_of = question.defined_by(
+        f"def mean_and_error(n, rng):\n    x = rng.random(n)\n    return x.mean(), {error}"
+    )
     assert failed(question, names_of) == names
 
 
 def test_the_mean_error_alone_needs_no_error():
     question = replace(
-        estimate(mean_and_error, {"n": 400, "rng": generator()}, 0.5, sd=1 / sqrt(12 * 400), mean_error=NEAR), id="1"
+        estimate(mean_and_error, {"n": 400, "rng": generator()}, 0.5, sd=1 / sqrt(12 * 400), mean_error=NEAR),
+        id="1",
     )
     assert not list(question_errors(question)) and failed(question, question.student) == []
     ids = [check.id.rpartition("-")[2] for check in question_checks(question.asked, "scene", False)]
@@ -207,8 +239,7 @@ def test_the_notebook_s_own_random_numbers_continue_after_a_check(toolbox):
 
 def test_two_questions_on_one_function_have_labels_of_their_own(tmp_path):
     (tmp_path / "two").mkdir()
-    (tmp_path / "two" / "assignment.py").write_text(
-        """from exercises.author import Notebook
+    (tmp_path / "two" / "assignment.py").write_text("""from exercises.author import Notebook
 from exercises.kinds.random import generator, samples
 notebook = Notebook("Two", setup="")
 def noise(n, width, rng):
@@ -216,9 +247,11 @@ def noise(n, width, rng):
 def asked(width, label):
     return samples(noise, {"n": 30, "width": width, "rng": generator()}, "norm", scale=width, label=label)
 notebook.exercise("1", "Noise", asked(1.0, "narrow noise"), asked(2.0, "wide noise"))
-"""
-    )
+""")
     with known(tmp_path / "two") as catalogue:
         assert not catalogue.invalid
         labels = [check.label for check in catalogue.valid["two"].exercises[0].checks]
-    assert len(set(labels)) == len(labels) == 12 and {label.split(": ")[0] for label in labels} == {"narrow noise", "wide noise"}
+    assert len(set(labels)) == len(labels) == 12 and {label.split(": ")[0] for label in labels} == {
+        "narrow noise",
+        "wide noise",
+    }

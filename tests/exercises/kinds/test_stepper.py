@@ -84,7 +84,12 @@ def test_order_and_stability_limit_of_known_methods(step, order, limit, h):
     """They hold for small and for large steps, where rounding and the first steps spoil some runs."""
     question = stepper(
         step,
-        ask={"f": family("A @ y + cos(t) - y**3", "t", "y", A=uniform(-1, 1, 2, 2)), "t": 0.5, "y": uniform(-1, 1, 2), "h": h},
+        ask={
+            "f": family("A @ y + cos(t) - y**3", "t", "y", A=uniform(-1, 1, 2, 2)),
+            "t": 0.5,
+            "y": uniform(-1, 1, 2),
+            "h": h,
+        },
         agree=Tolerance(limit=1e-6, reason="the iteration"),
         order=(order, Tolerance(atol=0.3, reason="first steps")),
         stability=(limit, Tolerance(rtol=1e-3, atol=0, reason="four digits")),
@@ -102,7 +107,12 @@ def test_a_scalar_state_beside_an_array_and_a_constant_step():
     rounding = Tolerance(limit=1e-13, reason="rounding")
     question = stepper(
         step,
-        ask={"f": family("-sin(a) - q", "a", q=uniform(0, 1)), "a": uniform(0, 1), "v": uniform(1, 2, 2), "h": 0.1},
+        ask={
+            "f": family("-sin(a) - q", "a", q=uniform(0, 1)),
+            "a": uniform(0, 1),
+            "v": uniform(1, 2, 2),
+            "h": 0.1,
+        },
         agree={"a": rounding, "v": rounding},
         rates=lambda f, a, v: (v[0], f(a) * np.array([1.0, 0.5])),
         order=(1, Tolerance(atol=0.2, reason="first steps")),
@@ -119,7 +129,10 @@ def test_a_scalar_state_beside_an_array_and_a_constant_step():
         ({"state": "x"}, "it has no parameter x"),
         ({"test": "-z"}, "the test problem: '-z' uses z, which is neither a variable nor a parameter"),
         ({"order": (1, Tolerance(atol=0.1, reason=""))}, "step: order[1]: the tolerance has no reason"),
-        ({"stability": (2, Tolerance(reason="none"))}, "step: stability[1]: the tolerance has no number: give rtol, atol or limit"),
+        (
+            {"stability": (2, Tolerance(reason="none"))},
+            "step: stability[1]: the tolerance has no number: give rtol, atol or limit",
+        ),
     ],
 )
 def test_an_error_of_the_declaration_is_reported(changed, error):
@@ -129,7 +142,8 @@ def test_an_error_of_the_declaration_is_reported(changed, error):
     near = Tolerance(limit=1e-13, reason="rounding")
     ask = {"f": family("-y", "t", "y"), "t": 0.0, "y": uniform(0, 1), "h": 0.1}
     found = [
-        one.split(": ", 1)[1] for one in question_errors(stepper(step, **{"ask": ask, "agree": near, "truth": euler} | changed))
+        one.split(": ", 1)[1]
+        for one in question_errors(stepper(step, **{"ask": ask, "agree": near, "truth": euler} | changed))
     ]
     assert error in found
 
@@ -145,7 +159,10 @@ def test_runs_that_are_unstable_do_not_count_for_the_order():
 
 
 def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
-    source = "def rk4_step(f, t, y, h):\n    if h < 0.05: raise RuntimeError('too small')\n    return y + h * f(t, y)\n"
+    source = (
+        "def rk4_step(f, t, y, h):\n    if h < 0.05: raise RuntimeError('too small')\n    return y + h * f(t,"
+        " y)\n"
+    )
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
     lines = {outcome.id: outcome.line for outcome in report.outcomes()}
     assert lines["6-order"].startswith("–") and "RuntimeError: too small" in lines["6-order"]
@@ -155,11 +172,20 @@ def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
-        ("def rk4_step(f, t, y, h): return np.sum(y)", "rk4_step must return shape (3,); it returned a number"),
-        ("def rk4_step(f, t, y, h): return y[:, None] + h * f(t, y)", "must return shape (3,); it returned shape (3, 3)"),
+        (
+            "def rk4_step(f, t, y, h): return np.sum(y)",
+            "rk4_step must return shape (3,); it returned a number",
+        ),
+        (
+            "def rk4_step(f, t, y, h): return y[:, None] + h * f(t, y)",
+            "must return shape (3,); it returned shape (3, 3)",
+        ),
         ("def rk4_step(f, t, y, h):\n    y += h * f(t, y)\n    return y", "rk4_step changes its argument y"),
         ("def verlet(force, x, v, h): return x", "verlet (x) must return shape (2,); it returned a number"),
-        ("def verlet(force, x, v, h): return x * np.nan, v * np.nan", "verlet (x) returned a value that is not finite"),
+        (
+            "def verlet(force, x, v, h): return x * np.nan, v * np.nan",
+            "verlet (x) returned a value that is not finite",
+        ),
     ],
 )
 def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
@@ -174,9 +200,9 @@ def test_a_step_may_pass_a_list_as_the_state(toolbox):
         return [a + h / 2 * (b + c) for a, b, c in zip(y, k1, k2, strict=True)]
 
     found = judged(question_of(toolbox, "rk4_step"), heun)
-    assert found["6-stability"].measured == pytest.approx(2.0, rel=1e-6) and found["6-order"].measured == pytest.approx(
-        2.0, abs=0.1
-    )
+    assert found["6-stability"].measured == pytest.approx(2.0, rel=1e-6) and found[
+        "6-order"
+    ].measured == pytest.approx(2.0, abs=0.1)
 
 
 def test_an_exception_of_every_step_is_not_a_stability_limit(toolbox):
@@ -188,12 +214,16 @@ def test_an_exception_of_every_step_is_not_a_stability_limit(toolbox):
         question.play(broken, question.draw(np.random.default_rng(0), 1), "stability")
 
 
-@pytest.mark.parametrize(("function", "texts"), [("rk4_step", ["rk4_step", "order 4"]), ("oscillator", ["y[0]", "y[1]", "exact"])])
+@pytest.mark.parametrize(
+    ("function", "texts"), [("rk4_step", ["rk4_step", "order 4"]), ("oscillator", ["y[0]", "y[1]", "exact"])]
+)
 def test_the_figure_of_a_part_shows_the_exact_beside_the_student_s(toolbox, function, texts):
     question = question_of(toolbox, function)
     (figure,) = kinds.exercise("1", "One", [question.document], True).figures
     (scene,) = [scene for scene in question.scenes() if (scene.name,) == figure.scenes]
     truth = scene.truth(scene.inputs)
-    seen = question.play(question.student, scene.inputs, scene.question["part"]) | {name: truth[name] for name in scene.known}
+    seen = question.play(question.student, scene.inputs, scene.question["part"]) | {
+        name: truth[name] for name in scene.known
+    }
     drawn = draw(figure, [seen], [truth], "svg").decode()
     assert all(f">{text}<" in drawn for text in texts)

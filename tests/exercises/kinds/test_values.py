@@ -48,13 +48,25 @@ def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, san
     ("source", "sentence"),
     [
         ("def find_root(f, a, b, tol): f(a)", "find_root returned None"),
-        ("def find_root(f, a, b, tol): return [1.0, 2.0]", "find_root must return a number; it returned shape (2,)"),
+        (
+            "def find_root(f, a, b, tol): return [1.0, 2.0]",
+            "find_root must return a number; it returned shape (2,)",
+        ),
         ("def find_root(f, a, b, tol): return float('nan')", "find_root returned a value that is not finite"),
         ("def find_root(f, a): return 1.0", "the checks call `find_root(f, a, b, tol)`"),
         ("def find_root(f, a, b, tol):\n    while True: f(a)", "it called f more than 600 times"),
-        ("def normal_modes(M, K): return 1.0", "normal_modes must return 2 values (omega, X); it returned a float"),
-        ("def normal_modes(M, K): return M", "normal_modes must return 2 values (omega, X); it returned 3 values"),
-        ("def normal_modes(M, K):\n    M[0, 0] = 0\n    return M[0], M", "normal_modes changes its argument M"),
+        (
+            "def normal_modes(M, K): return 1.0",
+            "normal_modes must return 2 values (omega, X); it returned a float",
+        ),
+        (
+            "def normal_modes(M, K): return M",
+            "normal_modes must return 2 values (omega, X); it returned 3 values",
+        ),
+        (
+            "def normal_modes(M, K):\n    M[0, 0] = 0\n    return M[0], M",
+            "normal_modes changes its argument M",
+        ),
         ("def normal_modes(M, K): return np.ones((3, 1)), M", "normal_modes (omega) must return shape (3,)"),
     ],
 )
@@ -78,7 +90,10 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
     report = grade(Submission(PARTLY), toolbox.assignment, sandbox, 1).report
     found = {outcome.id: outcome for outcome in report.outcomes()}
     public, hidden = found["1-value"], found["1-new-value"]
-    assert 0 < public.partial.right < public.partial.rows == 3 and 0 < hidden.partial.right < hidden.partial.rows == 16
+    assert (
+        0 < public.partial.right < public.partial.rows == 3
+        and 0 < hidden.partial.right < hidden.partial.rows == 16
+    )
     for outcome in (public, hidden):
         right, rows = outcome.partial.right, outcome.partial.rows
         assert outcome.verdict is Verdict.FAIL and outcome.earned == 4 * right // rows
@@ -86,7 +101,9 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
     assert report.score == public.earned + hidden.earned + 2 and report.max_score == 10
     of = "[outcome.line, outcome.earned, outcome.points, outcome.notes()], report.summary()"
     local, summaries = zip(*json.loads(check_locally("toolbox", PARTLY, tmp_path, f"[{of}]")), strict=True)
-    assert summaries[0].startswith(f"{public.earned + 1} of ") and "points of the public checks" in summaries[0]
+    assert (
+        summaries[0].startswith(f"{public.earned + 1} of ") and "points of the public checks" in summaries[0]
+    )
     assert list(local) == [[o.line, o.earned, o.points, o.notes()] for o in report.outcomes() if not o.hidden]
 
 
@@ -95,14 +112,19 @@ def test_a_row_is_right_for_partial_credit_if_the_whole_check_would_accept_it():
     want, limit = np.array([1e-3, 1.0, 0.5]), {"tolerance": {"limit": 1e-3, "reason": "rounding"}}
     got = np.array([1.5e-3, 2.0, 0.5])
     found = credited({"partial": True}, lambda given: agreement(limit, given, want), got, want)
-    assert found.partial == RowsRight(2, 3) and credited({}, lambda given: agreement(limit, given, want), got, want).partial is None
+    assert (
+        found.partial == RowsRight(2, 3)
+        and credited({}, lambda given: agreement(limit, given, want), got, want).partial is None
+    )
 
 
 def test_answers_that_differ_between_runs_earn_no_partial_credit(toolbox, sandbox):
     unsteady = "import random\n" + PARTLY.replace("a + 1e-3", "a + random.random()")
     scenes = tuple(replace(scene, twice=scene.name == "1-hidden") for scene in toolbox.assignment.scenes)
     report = grade(Submission(unsteady), replace(toolbox.assignment, scenes=scenes), sandbox, 1).report
-    assert [(o.earned, o.diagnosis[0].code) for o in report.outcomes() if o.id == "1-new-value"] == [(0, "not-deterministic")]
+    assert [(o.earned, o.diagnosis[0].code) for o in report.outcomes() if o.id == "1-new-value"] == [
+        (0, "not-deterministic")
+    ]
 
 
 WRONG = [("normal_modes", 1), ("oscillator", 1), ("pendulum", 1), ("rk4_step", 1), ("verlet", 0)]
@@ -115,12 +137,17 @@ def test_the_kit_prints_the_lines_of_the_server(toolbox, sandbox, tmp_path, wron
     served = [outcome.line for outcome in report.outcomes() if not outcome.hidden]
     local = json.loads(check_locally("toolbox", source, tmp_path))
     unseeded = "end_point"  # draws other numbers each time
-    assert [line for line in local if unseeded not in line] == [line for line in served if unseeded not in line]
+    assert [line for line in local if unseeded not in line] == [
+        line for line in served if unseeded not in line
+    ]
 
 
 def test_a_function_argument_takes_its_arguments_by_name_and_no_others(toolbox):
     question = question_of(toolbox, "heun_step")
-    by_name = "def heun_step(f, t, y, h):\n    k = f(y=y, t=t)\n    return y + h / 2 * (k + f(t + h, y=y + h * k))\n"
+    by_name = (
+        "def heun_step(f, t, y, h):\n    k = f(y=y, t=t)\n    return y + h / 2 * (k + f(t + h, y=y + h *"
+        " k))\n"
+    )
     assert failed(judged(question, by_name)) == set()
     for call in ("f(y)", "f(t, y, h)", "f(t, t=t)", "f(t, x=y)"):
         with pytest.raises(TypeError, match=r"the function takes \(t, y\)"):
@@ -129,10 +156,19 @@ def test_a_function_argument_takes_its_arguments_by_name_and_no_others(toolbox):
 
 def test_several_values_may_come_in_one_array(toolbox):
     right_answer = question_of(toolbox, "verlet").solution
-    assert failed(judged(question_of(toolbox, "verlet"), lambda force, x, v, h: np.array(right_answer(force, x, v, h)))) == set()
+    assert (
+        failed(
+            judged(
+                question_of(toolbox, "verlet"), lambda force, x, v, h: np.array(right_answer(force, x, v, h))
+            )
+        )
+        == set()
+    )
 
 
-@pytest.mark.parametrize("exact", [[[1.0, 2.0], [1e-9, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], ids=["one row cancels", "all are zero"])
+@pytest.mark.parametrize(
+    "exact", [[[1.0, 2.0], [1e-9, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], ids=["one row cancels", "all are zero"]
+)
 def test_rounding_errors_are_relative_to_the_largest_number(exact):
     limit = {"tolerance": {"limit": 1e-13, "reason": "rounding"}}
     want = np.array(exact)
@@ -229,7 +265,10 @@ def test_what_a_value_leaves_open_must_fit_it(solution, shape, up_to, reason):
             up_to_zero,
             {"n": integers(3, 9)},
             lambda n: np.arange(n + 1)[::-1],
-            r"up_to_zero must return shape \(\d+,\); it returned shape \(\d+,\); shape and type must be the same",
+            (
+                r"up_to_zero must return shape \(\d+,\); it returned shape \(\d+,\); shape and type must be"
+                r" the same"
+            ),
         ),
         (
             double,
@@ -249,9 +288,24 @@ def test_what_a_value_leaves_open_must_fit_it(solution, shape, up_to, reason):
             lambda x: x + x,
             "x is drawn with dtype complex128; arguments are real numbers",
         ),
-        (word, {"x": uniform(1, 2)}, lambda x: "large", "word returned 'large'; it must return numbers, booleans, or arrays"),
-        (missing, {"x": uniform(1, 2)}, lambda x: x, "missing returned nan; ask it for inputs where its answer is finite"),
-        (double, {"x": uniform(1, 2)}, missing, "the truth does not answer as .*: double returned a value that is not finite"),
+        (
+            word,
+            {"x": uniform(1, 2)},
+            lambda x: "large",
+            "word returned 'large'; it must return numbers, booleans, or arrays",
+        ),
+        (
+            missing,
+            {"x": uniform(1, 2)},
+            lambda x: x,
+            "missing returned nan; ask it for inputs where its answer is finite",
+        ),
+        (
+            double,
+            {"x": uniform(1, 2)},
+            missing,
+            "the truth does not answer as .*: double returned a value that is not finite",
+        ),
     ],
 )
 def test_a_type_or_shape_that_cannot_be_asked_is_the_author_s_error(solution, ask, truth, reason):
@@ -265,7 +319,8 @@ def test_a_value_that_is_not_finite_fails_alone(toolbox, sandbox):
     source = question_of(toolbox, "normal_modes").source.replace("np.sqrt(w2)", "np.sqrt(w2) * np.nan")
     found = {o.id: o for o in grade(Submission(source), toolbox.assignment, sandbox, 1).report.outcomes()}
     assert {id: o.verdict for id, o in found.items()} == {
-        id: Verdict.FAIL if "omega" in id else Verdict.PASS for id in ("2-omega", "2-X", "2-new-omega", "2-new-X")
+        id: Verdict.FAIL if "omega" in id else Verdict.PASS
+        for id in ("2-omega", "2-X", "2-new-omega", "2-new-X")
     }
     assert "omega holds values that are not finite numbers" in found["2-omega"].line
 
@@ -288,8 +343,14 @@ def by_products(x):
 def test_a_question_is_asked_again_for_other_inputs():
     agree, ask = {"square": NEAR, "reversed": NEAR}, {"x": normal(9), "N": integers(2, 9)}
     question = values(squares, {"x": normal(3)}, agree, truth=by_products)
-    larger = replace(other_inputs(question, "[np.pad(one, (0, 9 - N)) for one in squares(x[:N])]", "for 2 to 9", **ask), id="1")
+    larger = replace(
+        other_inputs(question, "[np.pad(one, (0, 9 - N)) for one in squares(x[:N])]", "for 2 to 9", **ask),
+        id="1",
+    )
     assert not list(question_errors(larger))
     assert {o.label for o in judged(larger, squares).values()} >= {"squares is right for 2 to 9: square"}
     assert failed(judged(larger, squares)) == set()
-    assert failed(judged(larger, lambda x: (x**2, x[::-1] if len(x) == 3 else x))) == {"1-reversed", "1-new-reversed"}
+    assert failed(judged(larger, lambda x: (x**2, x[::-1] if len(x) == 3 else x))) == {
+        "1-reversed",
+        "1-new-reversed",
+    }

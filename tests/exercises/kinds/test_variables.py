@@ -71,7 +71,10 @@ def free_fall():
 
 def test_the_errors_of_a_declaration():
     right = variables(
-        free_fall, {"g_fit": 9.81}, agree={"g_fit": CLOSE}, claims=[claim("error < 0.1", "it is small", reason="1 %")]
+        free_fall,
+        {"g_fit": 9.81},
+        agree={"g_fit": CLOSE},
+        claims=[claim("error < 0.1", "it is small", reason="1 %")],
     )
     assert list(question_errors(right)) == [] and right.source == "g_fit = 9.81\nerror = 0.02"
     wrong = variables(free_fall, {}, agree={"g_fit": CLOSE, "h_fit": CLOSE})

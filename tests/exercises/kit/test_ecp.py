@@ -49,14 +49,23 @@ def test_check_takes_sympys_true_and_false(capsys):
         (lambda: validate.close("a", 1.0, 1.0), "got is a string: pass the arrays first and the label last"),
         (lambda: validate.close([1.0, 2.0], [1.0, 2.0, 3.0], "a"), "shape (2,) vs expected shape (3,)"),
         (lambda: validate.close([], 1.0, "a"), "shape (0,) vs expected shape ()"),
-        (lambda: validate.close([1.0, np.nan], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
-        (lambda: validate.close([1.0, None], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
+        (
+            lambda: validate.close([1.0, np.nan], [1.0, 2.0], "a"),
+            "got holds values that are not finite numbers",
+        ),
+        (
+            lambda: validate.close([1.0, None], [1.0, 2.0], "a"),
+            "got holds values that are not finite numbers",
+        ),
         (lambda: validate.close([1.0, [2.0, 3.0]], 1.0, "a"), "got is list, not an array of numbers"),
         (lambda: validate.close(1j, 1.0, "a"), "max|Δ| = 1.41421 (rtol=1e-06, atol=1e-09)"),
         (lambda: validate.positive(1 + 1j, "a"), "value is complex128, not real numbers"),
         (lambda: validate.close(object(), 1.0, "a"), "got is object, not an array of numbers"),
         (lambda: validate.conserved(None, "a"), "series is None"),
-        (lambda: validate.conserved([], "a"), "got shape (0,), expected a one-dimensional array of at least 2 values"),
+        (
+            lambda: validate.conserved([], "a"),
+            "got shape (0,), expected a one-dimensional array of at least 2 values",
+        ),
         (lambda: validate.positive([], "a"), "the array is empty: expected at least one number ("),
         (lambda: validate.below([], 1.0, "a"), "the array is empty: expected at least one number ("),
         (lambda: validate.check(None, "a", "1 < 2"), "condition is NoneType: pass a single True or False"),
@@ -76,8 +85,14 @@ def test_validate_makes_a_line_of_any_answer(call, said, capsys):
 def test_validate_takes_numbers_of_any_kind():
     from fractions import Fraction
 
-    assert validate.close(Fraction(1, 3), 1 / 3, "a") and validate.close(np.float32(0.5), 0.5, "b") and validate.close(2, 2, "c")
-    assert validate.close(np.full((2, 3), 4.0), 4, "d") and validate.close([Fraction(1, 2), 1], [0.5, 1.0], "e")
+    assert (
+        validate.close(Fraction(1, 3), 1 / 3, "a")
+        and validate.close(np.float32(0.5), 0.5, "b")
+        and validate.close(2, 2, "c")
+    )
+    assert validate.close(np.full((2, 3), 4.0), 4, "d") and validate.close(
+        [Fraction(1, 2), 1], [0.5, 1.0], "e"
+    )
 
 
 @pytest.mark.parametrize(
@@ -101,7 +116,9 @@ def test_strict_refuses(value, code):
     assert caught.value.code == code
 
 
-@pytest.mark.parametrize("value", [[1, 2, 3], (1.0, 2.0, 3.0), np.array([1, 2, 3], dtype=np.float32), np.array([1, 2 - 0j, 3])])
+@pytest.mark.parametrize(
+    "value", [[1, 2, 3], (1.0, 2.0, 3.0), np.array([1, 2, 3], dtype=np.float32), np.array([1, 2 - 0j, 3])]
+)
 def test_strict_takes_any_three_real_numbers(value):
     assert real_array(value, (3,), "f").tolist() == [1.0, 2.0, 3.0]
 
@@ -125,7 +142,14 @@ def test_header_style_and_footer_print_nothing_outside_a_notebook(capsys):
     with mpl.rc_context():
         assert use_style() is None
         assert mpl.rcParams["axes.spines.top"] is False
-    given = {"volume": "II", "number": 2.6, "title": "A <b>", "blurb": "…", "difficulty": "advanced", "estimate": "90 min"}
+    given = {
+        "volume": "II",
+        "number": 2.6,
+        "title": "A <b>",
+        "blurb": "…",
+        "difficulty": "advanced",
+        "estimate": "90 min",
+    }
     assert header(**given) is None and footer() is None
     assert capsys.readouterr() == ("", "")
 
@@ -136,7 +160,11 @@ def test_the_header_displays_its_texts_escaped(monkeypatch):
     shown = []
     monkeypatch.setattr(style, "_display", shown.append)
     style.header(volume="II", number="2.6", title="Tops & <script>", difficulty="advanced")
-    assert "II · Notebook 2.6" in shown[0] and "Tops &amp; &lt;script&gt;" in shown[0] and "Level: advanced" in shown[0]
+    assert (
+        "II · Notebook 2.6" in shown[0]
+        and "Tops &amp; &lt;script&gt;" in shown[0]
+        and "Level: advanced" in shown[0]
+    )
 
 
 def _moving(frames, **options):
@@ -172,7 +200,9 @@ def test_stills_draw_each_still_once(monkeypatch):
     drawn, real = [], Figure.draw
     monkeypatch.setattr(Figure, "draw", lambda self, renderer: (drawn.append(1), real(self, renderer))[1])
     assert len(animation_recording.watch(anim, seconds=30.0)["frames"]) == 6
-    assert len(drawn) == 6 + 1 + 3, "besides, a second frame to see that it moves, one without artists and two without text"
+    assert len(drawn) == 6 + 1 + 3, (
+        "besides, a second frame to see that it moves, one without artists and two without text"
+    )
 
 
 @pytest.mark.slow

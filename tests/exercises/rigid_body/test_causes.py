@@ -1,4 +1,6 @@
-"""Every slip of the catalogue at the probes gets its code, also two at once, and nothing that merely looks similar does."""
+"""Every slip of the catalogue at the probes gets its code, also two at once, and nothing that merely looks
+similar does.
+"""
 
 import contextlib
 import io
@@ -63,12 +65,16 @@ def codes(source, inputs):
         return {d.code for d in diagnose_scene("probes", inputs, plays.pointwise(names, inputs))}
 
 
-@pytest.mark.parametrize("slip", [pytest.param(slip, id=f"component {slip[0] + 1}: {slip[1]}") for slip in SLIPS])
+@pytest.mark.parametrize(
+    "slip", [pytest.param(slip, id=f"component {slip[0] + 1}: {slip[1]}") for slip in SLIPS]
+)
 def test_one_slip(slip, inputs):
     assert codes(function(slip), inputs) == {slip[3]}
 
 
-@pytest.mark.parametrize("pair", [pytest.param((a, b), id=f"{a[0] + 1}: {a[1]}; {b[0] + 1}: {b[1]}") for a, b in PAIRS])
+@pytest.mark.parametrize(
+    "pair", [pytest.param((a, b), id=f"{a[0] + 1}: {a[1]}; {b[0] + 1}: {b[1]}") for a, b in PAIRS]
+)
 def test_two_slips(pair, inputs):
     both = {slip[3] for slip in pair}
     assert codes(function(*pair), inputs) == ({"time-dependent"} if "time-dependent" in both else both)
@@ -95,7 +101,10 @@ WHOLE = {
 
 @pytest.mark.parametrize("answer", WHOLE)
 def test_a_slip_of_the_whole(answer, inputs):
-    source = f"def euler_eqs(t, w, I):\n    right = lambda I: np.array([{', '.join(RIGHT)}])\n    return {answer}\n"
+    source = (
+        f"def euler_eqs(t, w, I):\n    right = lambda I: np.array([{', '.join(RIGHT)}])\n    return"
+        f" {answer}\n"
+    )
     assert codes(source, inputs) == set(WHOLE[answer].split())
 
 
@@ -124,7 +133,10 @@ def test_sentences_point_at_component_and_term(inputs):
 
 
 def test_noise_and_other_algebra_have_no_cause(inputs):
-    source = "def euler_eqs(t, w, I):\n    return np.array([np.sin(w[0]) * I[1], w[1] ** 3 / I[0], np.exp(-w[2] ** 2) + I[2]])"
+    source = (
+        "def euler_eqs(t, w, I):\n    return np.array([np.sin(w[0]) * I[1], w[1] ** 3 / I[0], np.exp(-w[2] **"
+        " 2) + I[2]])"
+    )
     assert codes(source, inputs) == set()
 
 
@@ -135,7 +147,8 @@ def test_the_right_answer_has_no_cause_whatever_is_drawn(seed, rigid_body):
 
 
 @pytest.mark.parametrize(
-    "answer", ["np.full(3, 1e308)", "np.nan_to_num(w * np.inf)", "np.array([1e308, w[0], w[1]])", "w * 1e-320"]
+    "answer",
+    ["np.full(3, 1e308)", "np.nan_to_num(w * np.inf)", "np.array([1e308, w[0], w[1]])", "w * 1e-320"],
 )
 def test_numbers_beyond_arithmetic_are_no_fault(answer, inputs):
     with np.errstate(all="ignore"):

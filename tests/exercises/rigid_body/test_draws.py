@@ -1,4 +1,6 @@
-"""Motions drawn for an attempt are of the family they are to be, and a right function is within what each allows."""
+"""Motions drawn for an attempt are of the family they are to be, and a right function is within what each
+allows.
+"""
 
 import numpy as np
 import pytest
@@ -56,7 +58,9 @@ def test_a_right_function_is_well_within_what_is_allowed(name, spelling, rigid_b
         assert checks
         for check in checks:
             outcome = check.judge([seen], [exact])
-            assert (outcome.verdict is Verdict.PASS and outcome.margin is None) or outcome.margin > 3, check.id
+            assert (outcome.verdict is Verdict.PASS and outcome.margin is None) or outcome.margin > 3, (
+                check.id
+            )
             assert outcome.tolerance.limit and "sensitivity" in outcome.tolerance.reason
 
 

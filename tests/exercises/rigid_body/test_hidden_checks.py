@@ -1,4 +1,6 @@
-"""Every check of rigid-body beside its tolerance: half of what is allowed passes, half as much again does not."""
+"""Every check of rigid-body beside its tolerance: half of what is allowed passes, half as much again does
+not.
+"""
 
 import numpy as np
 import pytest
@@ -7,11 +9,14 @@ from ecp.judge import Verdict
 from exercises.rigid_body.public.quantities import SYMMETRIC
 from service.grading.jobs import draw_inputs, truth
 
-# By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth of the first of them.
-# The numbers stand here once more on purpose: a tolerance that changes by mistake changes one of the two places only.
+# By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth
+# of the first of them. The numbers stand here once more on purpose: a tolerance that changes by mistake
+# changes one of the two places only.
 ERRORS = {
     "1-notebook": lambda f, seen, exact: add(seen[0]["moments"], f * (1e-9 + 1e-10 * exact["moments"])),
-    "1-boxes": lambda f, seen, exact: add(seen[0]["moments"], f * 1e-12 * exact["moments"].max(axis=1, keepdims=True)),
+    "1-boxes": lambda f, seen, exact: add(
+        seen[0]["moments"], f * 1e-12 * exact["moments"].max(axis=1, keepdims=True)
+    ),
     "1-tensors": lambda f, seen, exact: add(
         seen[0]["moments"], f * 1e-9 * np.maximum(exact["moments"].max(axis=1, keepdims=True), 1.0)
     ),
@@ -31,7 +36,9 @@ ERRORS = {
     "4-short": lambda f, seen, exact: add(seen[0]["rate"], f * 1e-3 * exact["rate"]),
     "5-growth": lambda f, seen, exact: add(seen[0]["w"][1:], f * 1e-4 * exact["w"][1:]),
     "6-orthonormal": lambda f, seen, exact: add(seen[0]["R"][-1], f * 1e-6 / 2 * exact["R"][-1]),
-    "6-momentum": lambda f, seen, exact: add(seen[0]["w"][:, -1], f * 1e-8 * towards_largest(exact) / np.asarray(SYMMETRIC)),
+    "6-momentum": lambda f, seen, exact: add(
+        seen[0]["w"][:, -1], f * 1e-8 * towards_largest(exact) / np.asarray(SYMMETRIC)
+    ),
     **dict.fromkeys(
         (f"{number}-pointwise" for number in "23456"),
         lambda f, seen, exact: add(seen[0]["wdot"], f * 1e-13 * exact["scale"]),
@@ -77,7 +84,9 @@ def test_half_of_what_is_allowed_passes_and_half_as_much_again_does_not(rigid_bo
 def test_no_tolerance_is_left_out(rigid_body):
     """Those worked out for each scene are tested with drawn.py."""
     fixed = [
-        c.id for c in rigid_body.checks() if not c.allow and (c.tolerance.limit, c.tolerance.rtol, c.tolerance.atol) != (None,) * 3
+        c.id
+        for c in rigid_body.checks()
+        if not c.allow and (c.tolerance.limit, c.tolerance.rtol, c.tolerance.atol) != (None,) * 3
     ]
     assert sorted(fixed) == sorted(ERRORS)
 
@@ -99,7 +108,10 @@ def test_a_picture_moves_if_enough_of_it_changes(rigid_body, changed, verdict):
     check = next(check for check in rigid_body.checks() if check.id == "6-moves")
     frames = np.zeros((3, 360, 480, 3), dtype=np.uint8)
     frames[1].reshape(-1, 3)[:changed] = 255
-    assert check.judge([{"frames": frames, "cost": np.zeros(6), "visible": np.array([1.0, 0.0])}], [{}]).verdict is verdict
+    assert (
+        check.judge([{"frames": frames, "cost": np.zeros(6), "visible": np.array([1.0, 0.0])}], [{}]).verdict
+        is verdict
+    )
 
 
 def test_a_picture_whose_text_changes_does_not_move(rigid_body):

@@ -38,8 +38,8 @@ def test_a_right_function_needs_no_integration(name, formula, rigid_body):
 
 
 def wrong_near(inputs, start, end, error):
-    """Return a function that is wrong by ``error``, relative to the largest product, on the motion between two shares of its time
-    and right a little off it.
+    """Return a function that is wrong by ``error``, relative to the largest product, on the motion between
+    two shares of its time and right a little off it.
     """
     path = reference.motion(inputs["w0"], inputs["I"], np.linspace(start, end, 4000) * inputs["t_end"]).w.T
     near = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
@@ -65,7 +65,9 @@ def test_a_function_that_is_wrong_on_a_stretch_of_the_motion_is_integrated(name,
 @pytest.mark.parametrize("name", DRAWN)
 @pytest.mark.parametrize("error", [1e-15, 1e-13, 9e-13, 1e-12, 1e-10, 1e-8])
 def test_what_is_not_integrated_would_pass_if_it_were(name, error, rigid_body):
-    """The error of rates that are off everywhere in one direction, the worst for the motion, is within the bound."""
+    """The error of rates that are off everywhere in one direction, the worst for the motion, is within the
+    bound.
+    """
     inputs, exact, points = drawn(rigid_body, name, 3)
 
     def euler_eqs(t, w, I):

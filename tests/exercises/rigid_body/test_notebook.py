@@ -36,8 +36,15 @@ def test_it_was_never_run():
 def test_the_servers_addresses_and_packages_stand_open_once_each_and_nothing_else():
     install, rest = _source(CODE[0]).split("\n", 1)
     assert install == "%pip install -q {{KIT_URL}}"
-    assert rest == 'import ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="rigid-body")\necp.login()'
-    assert re.findall(r"\{\{\w*\}\}", "\n".join(map(_source, CELLS))) == ["{{PACKAGES}}", "{{KIT_URL}}", "{{SERVER}}"]
+    assert (
+        rest
+        == 'import ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="rigid-body")\necp.login()'
+    )
+    assert re.findall(r"\{\{\w*\}\}", "\n".join(map(_source, CELLS))) == [
+        "{{PACKAGES}}",
+        "{{KIT_URL}}",
+        "{{SERVER}}",
+    ]
 
 
 def test_a_solution_cell_holds_one_empty_function_and_every_entry_point_has_one():
@@ -63,7 +70,9 @@ def test_the_server_runs_the_setup_cell_and_nothing_else():
 
 
 def test_every_exercise_has_its_check_cell_in_order():
-    assert [_source(cell) for cell in _tagged("check")] == [f'ecp.check("{e.number}")' for e in ASSIGNMENT.exercises]
+    assert [_source(cell) for cell in _tagged("check")] == [
+        f'ecp.check("{e.number}")' for e in ASSIGNMENT.exercises
+    ]
 
 
 def test_one_cell_submits_every_entry_point():

@@ -42,7 +42,18 @@ def test_a_function_was_handed_in():
         {"moments": ((np.inf, np.inf, 1.0),), "R": np.swapaxes(R, 1, 2)},
         {"moments": ((1e-300, 1e-300, 1e-300),), "t": 1e-200 * T},
     ],
-    ids=["mirrored", "no rotation", "nan", "jumps", "asymmetric", "times", "short", "huge", "forged moments", "tiny"],
+    ids=[
+        "mirrored",
+        "no rotation",
+        "nan",
+        "jumps",
+        "asymmetric",
+        "times",
+        "short",
+        "huge",
+        "forged moments",
+        "tiny",
+    ],
 )
 def test_what_is_no_motion_of_a_symmetric_top_is_not_judged(changed):
     with np.errstate(all="ignore"):

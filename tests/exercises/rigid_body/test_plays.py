@@ -41,14 +41,18 @@ def test_other_ends_keep_their_own_words(rigid_body):
 
 
 def animated(rigid_body, before=None, after=None):
-    """What the play of the film brings for a function that may do something ``before`` and ``after`` it makes its animation."""
+    """What the play of the film brings for a function that may do something ``before`` and ``after`` it makes
+    its animation.
+    """
 
     def animate_precession(t, R, L):
         fig, ax = plt.subplots(figsize=(1, 1))
         (line,) = ax.plot([0, 1], [0, 1])
         if before:
             before()
-        anim = FuncAnimation(fig, lambda k: line.set_data([0, R[k, 0, 2]], [0, R[k, 1, 2]]), frames=12, cache_frame_data=False)
+        anim = FuncAnimation(
+            fig, lambda k: line.set_data([0, R[k, 0, 2]], [0, R[k, 1, 2]]), frames=12, cache_frame_data=False
+        )
         anim._draw_was_started = True  # or matplotlib warns that nobody looked at it
         if after:
             after(anim)
@@ -72,7 +76,12 @@ def test_an_animation_that_could_not_be_written_or_read_again_is_judged(rigid_bo
     ):
         seen = animated(rigid_body, after=after)
         assert seen["cost"][5] == 1 and seen["cost"][0] == 12
-    assert animated(rigid_body, after=lambda anim: "<img" in anim.to_jshtml() or refuse(AssertionError()))["cost"][5] == 0
+    assert (
+        animated(rigid_body, after=lambda anim: "<img" in anim.to_jshtml() or refuse(AssertionError()))[
+            "cost"
+        ][5]
+        == 0
+    )
 
 
 def test_other_errors_of_an_animation_stay_errors(rigid_body):
@@ -83,7 +92,11 @@ def test_other_errors_of_an_animation_stay_errors(rigid_body):
 
 
 def asked(function):
-    points = {"t": np.zeros(3), "w": np.array([[1.0, 2, 3], [0, 0, 0], [3, -2, 1]]), "I": np.array([[2.0, 3, 4]] * 3)}
+    points = {
+        "t": np.zeros(3),
+        "w": np.array([[1.0, 2, 3], [0, 0, 0], [3, -2, 1]]),
+        "I": np.array([[2.0, 3, 4]] * 3),
+    }
     return plays.pointwise({"euler_eqs": function}, points)["wdot"]
 
 
@@ -104,5 +117,7 @@ def test_an_answer_that_is_kept_and_stays_as_it_is_passes():
         return reference.euler_rhs(np.array(w), np.array(I))
 
     constant = np.full(3, np.nan)
-    assert np.array_equal(asked(lambda t, w, I: kept(tuple(w), tuple(I))), asked(lambda t, w, I: reference.euler_rhs(w, I)))
+    assert np.array_equal(
+        asked(lambda t, w, I: kept(tuple(w), tuple(I))), asked(lambda t, w, I: reference.euler_rhs(w, I))
+    )
     assert np.isnan(asked(lambda t, w, I: constant)).all()

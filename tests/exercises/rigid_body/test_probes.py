@@ -1,4 +1,6 @@
-"""The points at which euler_eqs is called miss no order of moments, no octant, no axis and no size; right answers pass."""
+"""The points at which euler_eqs is called miss no order of moments, no octant, no axis and no size; right
+answers pass.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""Functions that repeat a recorded motion need not be integrated: they get the same report, and no other function does."""
+"""Functions that repeat a recorded motion need not be integrated: they get the same report, and no other
+function does.
+"""
 
 import math
 from dataclasses import replace
@@ -60,7 +62,9 @@ BODY = {"w0": [1.0, 0.6, 0.8], "I": [2.0, 3.0, 4.0], "t_end": 2.0, "n": 50, "ori
 
 @pytest.fixture(scope="module")
 def prepared(rigid_body):
-    """The assignment with recorded motions of exercise 2, which the fixture of the other tests does not have."""
+    """The assignment with recorded motions of exercise 2, which the fixture of the other tests does not
+    have.
+    """
 
     def with_recorded(scene):
         if scene.name != "torque-free":
@@ -76,7 +80,10 @@ def report(source, assignment, sandbox):
     """Return the report without how the motion was made, all arrays, and how."""
     graded = grade(Submission(source), assignment, sandbox, 3, ["2"])
     how = graded.report.provenance.motions.pop("torque-free", "")
-    arrays = {name: {key: np.asarray(array).tobytes() for key, array in found.items()} for name, found in graded.arrays.items()}
+    arrays = {
+        name: {key: np.asarray(array).tobytes() for key, array in found.items()}
+        for name, found in graded.arrays.items()
+    }
     return document(graded.report), arrays, how
 
 
@@ -86,7 +93,9 @@ def test_a_function_that_repeats_a_recorded_motion_gets_the_same_numbers_without
 ):
     *numbers, how = report(source, prepared, sandbox)
     assert numbers[0]["exercises"][0]["outcomes"][0]["verdict"] == "pass"
-    assert how.startswith("not integrated: euler_eqs repeats one of every four calls of a recorded integration")
+    assert how.startswith(
+        "not integrated: euler_eqs repeats one of every four calls of a recorded integration"
+    )
     *computed, how = report(source, rigid_body, sandbox)
     assert numbers == computed and how.startswith("computed in the sandbox")
 
@@ -103,7 +112,9 @@ def test_a_function_that_claims_to_repeat_a_recorded_motion_is_integrated_by_the
     assert outcomes["2-motion"] == "fail" and how.startswith("integrated by the host")
 
 
-@pytest.mark.parametrize(("source", "scenes"), [(REPEATED["terms"], {"torque-free"}), (CLAIMS, set())], ids=["repeated", "claimed"])
+@pytest.mark.parametrize(
+    ("source", "scenes"), [(REPEATED["terms"], {"torque-free"}), (CLAIMS, set())], ids=["repeated", "claimed"]
+)
 def test_arrays_are_those_of_a_recording_only_if_they_were_judged(source, scenes, prepared, sandbox):
     graded = grade(Submission(source), prepared, sandbox, 3, ["2"])
     assert graded.recorded.keys() == scenes
@@ -113,7 +124,9 @@ def test_arrays_are_those_of_a_recording_only_if_they_were_judged(source, scenes
 
 @pytest.mark.parametrize("number", [-1.0, 4.0, 0.5, float("nan"), float("inf")])
 def test_a_number_that_no_recorded_motion_has_recalls_none(number):
-    known = Recorded(lambda: [Recording(np.zeros((0, 4)), np.zeros((0, 3)), {"w": np.zeros(3)})] * 4, lambda *_: {})
+    known = Recorded(
+        lambda: [Recording(np.zeros((0, 4)), np.zeros((0, 3)), {"w": np.zeros(3)})] * 4, lambda *_: {}
+    )
     known.prepare()
     assert known.recall(np.array(number)) is None
     assert known.recall(np.array(3.0)) is known.recordings[3]
@@ -146,7 +159,9 @@ def test_a_function_that_differs_for_less_than_a_step_of_the_integration_is_inte
             return cross(t, w, I) * (1 + 1e-15 * (np.array([t, *w]).tobytes() in stretch))
 
         assert trajectory({"euler_eqs": cross}, inputs)["recorded"] == 0
-        assert "recorded" not in trajectory({"euler_eqs": differs}, inputs), f"calls {first} to {first + 2 * EVERY}"
+        assert "recorded" not in trajectory({"euler_eqs": differs}, inputs), (
+            f"calls {first} to {first + 2 * EVERY}"
+        )
 
 
 @pytest.mark.parametrize("n", [4, 7, 401])
@@ -156,4 +171,6 @@ def test_the_sample_has_one_of_every_four_calls_and_another_one_for_each_seed(n)
     assert (sampled(rows, offsets)[:, 0] // EVERY).tolist() == list(range(math.ceil(n / EVERY)))
     known = recorded(BODY)
     known.prepare()
-    assert known.sample(known.recordings, np.random.default_rng(1)) != known.sample(known.recordings, np.random.default_rng(2))
+    assert known.sample(known.recordings, np.random.default_rng(1)) != known.sample(
+        known.recordings, np.random.default_rng(2)
+    )

@@ -1,4 +1,6 @@
-"""What precession_rate, box_moments and principal_moments are given: every right method passes, every known slip does not."""
+"""What precession_rate, box_moments and principal_moments are given: every right method passes, every known
+slip does not.
+"""
 
 import numpy as np
 import pytest
@@ -25,7 +27,9 @@ def guess(t, w):
 
 
 def spectral(t, w):
-    """The rate fitted to both components from the highest line of their spectrum on, at resampled even times."""
+    """The rate fitted to both components from the highest line of their spectrum on,
+    at resampled even times.
+    """
     if np.ptp(np.diff(t)) > 1e-9 * np.ptp(t):
         even = np.linspace(t[0], t[-1], len(t))
         t, w = even, np.array([CubicSpline(t, row)(even) for row in w])
@@ -33,7 +37,9 @@ def spectral(t, w):
     first = rates[np.abs(np.fft.fft(z, len(rates))).argmax()]
     both, time = np.concatenate([w[0], w[1]]), t - t.mean()
     fitted = curve_fit(
-        lambda _, size, rate, start: np.concatenate([cosine(time, size, rate, start), cosine(time, size, rate, start - np.pi / 2)]),
+        lambda _, size, rate, start: np.concatenate(
+            [cosine(time, size, rate, start), cosine(time, size, rate, start - np.pi / 2)]
+        ),
         np.arange(2.0 * len(t)),
         both,
         [np.abs(z).mean(), first, np.angle(z[len(t) // 2])],
@@ -65,7 +71,9 @@ RIGHT = {
     "spline of the phase": lambda t, w: CubicSpline(t, phase(w)).derivative()(t).mean(),
 }
 WRONG = {
-    "derivatives of ω": lambda t, w: np.mean((w[0] * np.gradient(w[1], t) - w[1] * np.gradient(w[0], t)) / (w[0] ** 2 + w[1] ** 2)),
+    "derivatives of ω": lambda t, w: np.mean(
+        (w[0] * np.gradient(w[1], t) - w[1] * np.gradient(w[0], t)) / (w[0] ** 2 + w[1] ** 2)
+    ),
     "arcsin of steps": lambda t, w: np.arcsin(crossed(w)).sum() / np.ptp(t),
     "sine of steps": lambda t, w: np.mean(crossed(w) / np.diff(t)),
     "median of raw jumps": lambda t, w: np.median(np.diff(np.arctan2(w[1], w[0])) / np.diff(t)),
@@ -87,7 +95,9 @@ def passed(rigid_body, ids, functions, seed):
         inputs = draw_inputs(scene, seed)
         exact = truth(scene, inputs)
         seen = getattr(plays, scene.play)(functions, inputs)
-        verdicts.append(check.judge([seen | {name: exact[name] for name in scene.known}], [exact]).verdict is Verdict.PASS)
+        verdicts.append(
+            check.judge([seen | {name: exact[name] for name in scene.known}], [exact]).verdict is Verdict.PASS
+        )
     assert len(verdicts) == len(ids)
     return all(verdicts)
 
@@ -102,7 +112,12 @@ def test_every_mean_rate_is_accepted_and_what_assumes_even_turning_or_times_is_n
 
 
 def test_a_given_motion_starts_off_zero_and_its_samples_lie_less_than_half_a_turn_apart(rigid_body):
-    for name, furthest in (("rate", 0.5), ("rate-retrograde", 0.5), ("rate-coarse", 0.47 * 2 * np.pi), ("rate-short", 0.5)):
+    for name, furthest in (
+        ("rate", 0.5),
+        ("rate-retrograde", 0.5),
+        ("rate-coarse", 0.47 * 2 * np.pi),
+        ("rate-short", 0.5),
+    ):
         given = draw_inputs(rigid_body.scene(name), 2)
         assert given["t"][0] > 0 and np.all(np.diff(given["t"]) > 0)
         assert np.abs(np.diff(phase(given["w"]))).max() < furthest
@@ -134,9 +149,14 @@ def test_moments_of_flat_long_large_and_small_boxes(seed, rigid_body):
     for function in BOXES.values():
         assert passed(rigid_body, ("1-boxes",), {"box_moments": function}, seed)
     for function in EIGENVALUES.values():
-        assert passed(rigid_body, ("1-tensors", "1-trace", "1-determinant"), {"principal_moments": function}, seed)
+        assert passed(
+            rigid_body, ("1-tensors", "1-trace", "1-determinant"), {"principal_moments": function}, seed
+        )
     assert not passed(
-        rigid_body, ("1-boxes",), {"box_moments": lambda m, a, b, c: np.maximum(BOXES["sums"](m, a, b, c), 1e-3)}, seed
+        rigid_body,
+        ("1-boxes",),
+        {"box_moments": lambda m, a, b, c: np.maximum(BOXES["sums"](m, a, b, c), 1e-3)},
+        seed,
     )
     only_tilted = {"principal_moments": lambda T: np.linalg.eigvalsh(T) if T[0, 1] else np.full(3, np.nan)}
     assert not passed(rigid_body, ("1-tensors",), only_tilted, seed)
@@ -146,6 +166,8 @@ def test_the_film_starts_away_from_every_axis_and_plane():
     given = next(scene for scene in SCENES if scene.name == "film").inputs
     axis, unit = np.array(given["R"])[:, :, 2], np.array(given["L"]) / np.linalg.norm(given["L"])
     assert np.abs(unit).min() > 0.1 and np.abs(axis[0]).min() > 0.1
-    assert axis.min(axis=0).max() < -0.1 and axis.max(axis=0).min() > 0.1, "the axis crosses each coordinate plane"
+    assert axis.min(axis=0).max() < -0.1 and axis.max(axis=0).min() > 0.1, (
+        "the axis crosses each coordinate plane"
+    )
     exact = reference.motion((2.2, 0.0, 0.5), (1.25, 1.25, 2.0), given["t"], need="orientation").R
     assert np.allclose(given["R"], TILT @ exact)

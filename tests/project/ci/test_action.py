@@ -1,4 +1,6 @@
-"""The composite action: its own script, run as a runner of GitHub runs it, on submissions of which we know what becomes of them."""
+"""The composite action: its own script, run as a runner of GitHub runs it, on submissions of which we know
+what becomes of them.
+"""
 
 import html
 import os
@@ -28,11 +30,15 @@ class Runner:
         [step] = ACTION["runs"]["steps"]
         given = {name: about.get("default") for name, about in ACTION["inputs"].items()} | inputs
         environment = {name: INPUT.sub(lambda m: given[m[1]], value) for name, value in step["env"].items()}
-        assert step["shell"] == "bash" and "${{" not in step["run"]  # what somebody chose is no part of the script
+        assert (
+            step["shell"] == "bash" and "${{" not in step["run"]
+        )  # what somebody chose is no part of the script
         self.output.write_text("")
         self.summary_file.write_text("")
         paths = {"ACTION_PATH": self.action, "OUTPUT": self.output, "STEP_SUMMARY": self.summary_file}
-        environment |= {f"GITHUB_{name}": str(path) for name, path in paths.items()} | {"RUNNER_TEMP": str(self.temp)}
+        environment |= {f"GITHUB_{name}": str(path) for name, path in paths.items()} | {
+            "RUNNER_TEMP": str(self.temp)
+        }
         told = subprocess.run(
             ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]],
             cwd=self.work, env=os.environ | environment, capture_output=True, text=True, check=False,
@@ -84,7 +90,9 @@ def test_what_is_wrong_or_no_submission_fails_and_is_annotated(runner):
 
 
 @pytest.mark.parametrize(
-    "inputs", [{"files": ""}, pytest.param({"files": "right_terms.py", "exercises": "9"}, marks=pytest.mark.slow)], ids=str
+    "inputs",
+    [{"files": ""}, pytest.param({"files": "right_terms.py", "exercises": "9"}, marks=pytest.mark.slow)],
+    ids=str,
 )
 def test_what_we_cannot_grade_is_told_apart_from_what_is_wrong(runner, inputs):
     told, outputs = runner.run(**inputs)

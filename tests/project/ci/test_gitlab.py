@@ -40,11 +40,20 @@ def test_what_is_kept_is_what_the_script_writes():
     [line] = JOB["script"]
     program, *arguments = shlex.split(line)
     asked = _parse(arguments)
-    assert program == ".polhode/.venv/bin/polhode" and asked.command == "grade" and asked.files == ["submissions"]
-    assert str(asked.junit) == JOB["artifacts"]["reports"]["junit"] and [str(asked.out)] == JOB["artifacts"]["paths"]
+    assert (
+        program == ".polhode/.venv/bin/polhode"
+        and asked.command == "grade"
+        and asked.files == ["submissions"]
+    )
+    assert (
+        str(asked.junit) == JOB["artifacts"]["reports"]["junit"]
+        and [str(asked.out)] == JOB["artifacts"]["paths"]
+    )
 
 
-@pytest.mark.parametrize(("name", "code"), [pytest.param("wrong_zeros.py", 1, marks=pytest.mark.slow), (None, 2)])
+@pytest.mark.parametrize(
+    ("name", "code"), [pytest.param("wrong_zeros.py", 1, marks=pytest.mark.slow), (None, 2)]
+)
 def test_exit_codes_and_what_is_kept(project, rigid_body, name, code):
     if name:
         (project / "submissions" / name).write_bytes((rigid_body.folder / "samples" / name).read_bytes())

@@ -1,4 +1,6 @@
-"""The hooks: valid for pre-commit itself, and run as it runs them, entry, arguments and file names in a row."""
+"""The hooks: valid for pre-commit itself, and run as it runs them, entry,
+arguments and file names in a row.
+"""
 
 import os
 import shlex
@@ -43,7 +45,9 @@ def test_polhode_verify_takes_the_modules_of_the_clone_it_is_in(tmp_path):
     (tmp_path / "service" / "__init__.py").touch()
     (tmp_path / "service" / "cli").mkdir()
     (tmp_path / "service" / "cli" / "__init__.py").touch()
-    (tmp_path / "service" / "cli" / "__main__.py").write_text("import sys\n\n\ndef main():\n    print(sys.argv[1:])\n")
+    (tmp_path / "service" / "cli" / "__main__.py").write_text(
+        "import sys\n\n\ndef main():\n    print(sys.argv[1:])\n"
+    )
     told = run("polhode-verify", tmp_path, ["--only", "right_terms.py"])
     assert (told.returncode, told.stdout) == (0, "['verify', '--only', 'right_terms.py']\n"), told.stderr
 
@@ -52,7 +56,10 @@ def test_polhode_verify_takes_the_modules_of_the_clone_it_is_in(tmp_path):
 def test_polhode_verify_judges_by_the_clone_it_is_in(tmp_path):
     for room in ("exercises", "reference", "service"):
         shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
-    expected, only = tmp_path / "exercises/rigid_body/samples/expected.toml", ["--only", "right_terms.py", "rigid-body"]
+    expected, only = (
+        tmp_path / "exercises/rigid_body/samples/expected.toml",
+        ["--only", "right_terms.py", "rigid-body"],
+    )
     told = run("polhode-verify", tmp_path, only)
     assert told.returncode == 0, told.stdout + told.stderr
     entry = '["right_terms.py"]\n'

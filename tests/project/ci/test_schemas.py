@@ -1,4 +1,6 @@
-"""The files for CI have the keys and the shapes that their readers take: by the schemas that check-jsonschema brings along."""
+"""The files for CI have the keys and the shapes that their readers take: by the schemas that check-jsonschema
+brings along.
+"""
 
 import check_jsonschema
 import pytest
@@ -22,5 +24,7 @@ def test_the_schema_holds(schema):
 
 def test_what_does_not_fit_a_schema_is_refused(tmp_path):
     (tmp_path / "action.yml").write_text((ROOT / "action.yml").read_text().replace("runs:", "run:"))
-    told = CliRunner().invoke(check_jsonschema.main, ["--builtin-schema", "vendor.github-actions", str(tmp_path / "action.yml")])
+    told = CliRunner().invoke(
+        check_jsonschema.main, ["--builtin-schema", "vendor.github-actions", str(tmp_path / "action.yml")]
+    )
     assert told.exit_code == 1 and "'runs' is a required property" in told.output

@@ -27,10 +27,21 @@ PATHS = (
     "/grades.csv",
     *(
         f"{SLUG}/{name}"
-        for name in ("grades.csv", "grades.json", "all.zip", "submissions.zip", *(f"grades/{f}.csv" for f in FORMS))
+        for name in (
+            "grades.csv",
+            "grades.json",
+            "all.zip",
+            "submissions.zip",
+            *(f"grades/{f}.csv" for f in FORMS),
+        )
     ),
 )
-STATES = {"pass": Verdict.PASS, "fail": Verdict.FAIL, "timeout": Verdict.UNMEASURED, "error": Verdict.UNMEASURED}
+STATES = {
+    "pass": Verdict.PASS,
+    "fail": Verdict.FAIL,
+    "timeout": Verdict.UNMEASURED,
+    "error": Verdict.UNMEASURED,
+}
 ENDINGS = {"timeout": Ended.TIMED_OUT, "error": Ended.RAISED}
 EVIL, TWIN = "=HYPERLINK(1)/../x", "=HYPERLINK(1)_.._x"
 
@@ -59,7 +70,9 @@ async def graded(database, who, made, source="x", filename="submission.py"):
     one = replace(new(who), submission=Submission(source, filename))
     await accept(database, one)
     if made is not None:
-        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": one.id}))[0].id
+        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": one.id}))[
+            0
+        ].id
         await runs.finish(database, await runs.claim(database, grading, uuid.uuid4(), "w"), made, {})
     return one.id
 
@@ -93,14 +106,24 @@ def sent(url):
     about = "UPDATE person SET full_name = %s, email = %s, student_id = %s WHERE name = %s"
     sql(url, about, "Ada Lovelace", "ada@uni.example", "00815", "ada")
     sql(url, about, '@SUM(1+1),=1\n"x', "+1@uni.example", "-7", EVIL)
-    given = "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, %s, 'prof')"
+    given = (
+        "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, %s,"
+        " 'prof')"
+    )
     sql(url, given, found["given"], "2-energy", 1, "=1+1 is right")
     sql(url, given, found["given"], "9-nothing", 1, "of no effect")
-    of_old = "UPDATE result SET report = report - 'exercises' FROM grading a WHERE a.id = grading_id AND submission_id = %s"
+    of_old = (
+        "UPDATE result SET report = report - 'exercises' FROM grading a WHERE a.id = grading_id AND"
+        " submission_id = %s"
+    )
     sql(url, "ALTER TABLE result DISABLE TRIGGER result_is_never_altered")
     sql(url, of_old, found["worse"])
     sql(url, "ALTER TABLE result ENABLE TRIGGER result_is_never_altered")
-    sql(url, "INSERT INTO audit (actor, action, subject, detail) VALUES ('prof', 'roster', '=1', '{\"people\": 7}')")
+    sql(
+        url,
+        "INSERT INTO audit (actor, action, subject, detail) VALUES ('prof', 'roster', '=1', '{\"people\":"
+        " 7}')",
+    )
     return found
 
 
@@ -112,7 +135,9 @@ def asked(server, url, sent):
     def ask(path, who="tess", **headers):
         headers |= {"Authorization": f"Bearer {given[who]}"} if who else {}
         try:
-            with urllib.request.urlopen(urllib.request.Request(server.url + path, headers=headers), timeout=60) as answer:
+            with urllib.request.urlopen(
+                urllib.request.Request(server.url + path, headers=headers), timeout=60
+            ) as answer:
                 return answer.status, answer.headers, answer.read()
         except urllib.error.HTTPError as error:
             with error:
@@ -141,11 +166,16 @@ def test_the_staff_may_and_nobody_else(asked, path):
 @pytest.mark.parametrize("path", PATHS)
 def test_what_a_browser_is_told_about_the_file(asked, path):
     headers = asked(path)[1]
-    kind = {"csv": "text/csv; charset=utf-8", "json": "application/json", "zip": "application/zip"}[path.rpartition(".")[2]]
+    kind = {"csv": "text/csv; charset=utf-8", "json": "application/json", "zip": "application/zip"}[
+        path.rpartition(".")[2]
+    ]
     assert headers["content-type"] == kind and headers["cache-control"] == "no-store"
     assert headers["x-content-type-options"] == "nosniff"
     name = path.removeprefix(SLUG).strip("/").replace("/", "-").removeprefix("grades-").partition(".")
-    stem, today = f"{'rigid-body' if SLUG in path else 'course'}-{name[0]}", time.strftime("%Y-%m-%d", time.gmtime())
+    stem, today = (
+        f"{'rigid-body' if SLUG in path else 'course'}-{name[0]}",
+        time.strftime("%Y-%m-%d", time.gmtime()),
+    )
     assert (
         headers["content-disposition"]
         == f"attachment; filename=\"{stem}-{today}.{name[2]}\"; filename*=UTF-8''{stem}-{today}.{name[2]}"
@@ -163,22 +193,55 @@ def test_grades_of_the_best_submission_of_each_student(asked, sent, rigid_body):
     found = {line["student"]: line for line in lines(body)}
     assert list(found) == ["'-ann", "'=HYPERLINK(1)/../x", "'=HYPERLINK(1)_.._x", "ada", "ben", "cho", "dora"]
     ada = found["ada"]
-    assert (ada["points"], ada["counted"], ada["attempts"], ada["submission"]) == ("3", "3", "4", str(sent["equal"]))
-    assert (ada["max_points"], ada["grader"]) == (str(rigid_body.max_points()), "polhode 0.1.0, assignment version 1")
+    assert (ada["points"], ada["counted"], ada["attempts"], ada["submission"]) == (
+        "3",
+        "3",
+        "4",
+        str(sent["equal"]),
+    )
+    assert (ada["max_points"], ada["grader"]) == (
+        str(rigid_body.max_points()),
+        "polhode 0.1.0, assignment version 1",
+    )
     assert (ada["2-energy"], ada["2-motion"], ada["9-old"], ada["6-secret"]) == ("pass", "pass", "pass", "")
-    assert (ada["full_name"], ada["student_id"], ada["late"], ada["overridden"]) == ("Ada Lovelace", "00815", "no", "no")
+    assert (ada["full_name"], ada["student_id"], ada["late"], ada["overridden"]) == (
+        "Ada Lovelace",
+        "00815",
+        "no",
+        "no",
+    )
     ben = found["ben"]
     assert (ben["points"], ben["score"], ben["overridden"]) == ("1", "0", "yes")
     assert (ben["2-energy"], ben["2-motion"]) == ("pass (override)", "error")
-    assert [found["cho"][name] for name in ("points", "percent", "status", "attempts", "graded_at")] == ["", "", "queued", "1", ""]
-    assert [found["dora"][name] for name in ("points", "late", "status", "attempts", "2-energy")] == ["", "", "none", "0", ""]
+    assert [found["cho"][name] for name in ("points", "percent", "status", "attempts", "graded_at")] == [
+        "",
+        "",
+        "queued",
+        "1",
+        "",
+    ]
+    assert [found["dora"][name] for name in ("points", "late", "status", "attempts", "2-energy")] == [
+        "",
+        "",
+        "none",
+        "0",
+        "",
+    ]
     evil = found["'=HYPERLINK(1)/../x"]
-    assert (evil["full_name"], evil["email"], evil["student_id"]) == ("'@SUM(1+1),'=1 \"x", "'+1@uni.example", "'-7")
+    assert (evil["full_name"], evil["email"], evil["student_id"]) == (
+        "'@SUM(1+1),'=1 \"x",
+        "'+1@uni.example",
+        "'-7",
+    )
 
 
 def test_the_same_as_json_with_texts_as_they_are(asked, sent, rigid_body):
     told = json.loads(asked(f"{SLUG}/grades.json")[2])
-    assert (told["assignment"], told["version"], told["max_points"]) == ("rigid-body", "1", rigid_body.max_points())
+    assert (told["assignment"], told["version"], told["max_points"]) == (
+        "rigid-body",
+        "1",
+        rigid_body.max_points(),
+    )
     assert [c["id"] for c in told["checks"]] == [c.id for e in rigid_body.exercises for c in e.checks]
     students = {one["student"]: one for one in told["students"]}
     assert students[EVIL]["full_name"] == '@SUM(1+1),=1\n"x' and students[EVIL]["points"] == 1
@@ -191,11 +254,19 @@ def test_the_same_as_json_with_texts_as_they_are(asked, sent, rigid_body):
 
 
 def test_points_given_for_the_whole_submission_decide_which_is_best(asked, url, sent):
-    whole = "INSERT INTO override (submission_id, points, reason, given_by) VALUES (%s, 30, 'by mouth', 'prof') RETURNING id"
+    whole = (
+        "INSERT INTO override (submission_id, points, reason, given_by) VALUES (%s, 30, 'by mouth', 'prof')"
+        " RETURNING id"
+    )
     id = sql(url, whole, sent["first"])[0][0]
     try:
         ada = next(line for line in lines(asked(f"{SLUG}/grades.csv")[2]) if line["student"] == "ada")
-        assert (ada["points"], ada["score"], ada["submission"], ada["2-motion"]) == ("30", "0", str(sent["first"]), "timeout")
+        assert (ada["points"], ada["score"], ada["submission"], ada["2-motion"]) == (
+            "30",
+            "0",
+            str(sent["first"]),
+            "timeout",
+        )
     finally:
         sql(url, "UPDATE override SET withdrawn_at = now(), withdrawn_by = 'prof' WHERE id = %s", id)
 
@@ -216,7 +287,9 @@ def test_what_other_gradebooks_import(asked, sent, rigid_body):
     assert len(nbgrader) == 7 and {line["student_id"]: line["score"] for line in nbgrader}["dora"] == "0.0"
     title = "2.6 Rigid-Body Rotation and the Spinning Top"
     assert (canvas[0]["Student"], canvas[0][title]) == ("Points Possible", str(rigid_body.max_points()))
-    assert {line["SIS Login ID"]: line[title] for line in canvas[1:]} == {line["Username"]: line[title] for line in moodle}
+    assert {line["SIS Login ID"]: line[title] for line in canvas[1:]} == {
+        line["Username"]: line[title] for line in moodle
+    }
     assert len(moodle) == 5 and "dora" not in {line["Username"] for line in moodle}
 
 
@@ -235,7 +308,9 @@ def found(archive, sent):
     def find(what, name=None):
         folder = index[str(sent[what])]["folder"]
         return (
-            {n.rpartition("/")[2] for n in archive.namelist() if folder in n} if name is None else archive.read(f"{folder}/{name}")
+            {n.rpartition("/")[2] for n in archive.namelist() if folder in n}
+            if name is None
+            else archive.read(f"{folder}/{name}")
         )
 
     return find
@@ -246,13 +321,19 @@ def test_the_zip_has_matplotlib_and_leads_nowhere_else(archive, tmp_path):
     archive.extractall(tmp_path)
     names = archive.namelist()
     assert len(set(map(str.casefold, names))) == len(names)
-    assert not [name for name in names if ".." in name.split("/") or "\\" in name or not name.startswith("rigid-body/")]
+    assert not [
+        name
+        for name in names
+        if ".." in name.split("/") or "\\" in name or not name.startswith("rigid-body/")
+    ]
 
 
 def test_every_submission_is_in_the_zip_with_its_report(found):
     assert found("first", "submission.py") == b"x = 1"
     assert found("best", "report-2.json") == b"x = 2"  # its file was called report.json
-    assert json.loads(found("best", "report.json"))["score"] == 3 and b"3 of 3 points" in found("best", "report.txt")
+    assert json.loads(found("best", "report.json"))["score"] == 3 and b"3 of 3 points" in found(
+        "best", "report.txt"
+    )
     assert found("worse") == {"submission.py", "report.json"}  # of an older polhode
     assert found("waits") == {"submission.py"}
     assert (found(EVIL, "submission.py"), found(TWIN, "submission.py")) == (b"y = 0", b"y = 1")
@@ -263,7 +344,9 @@ def test_grades_roster_and_who_did_what_are_in_the_zip(archive, asked):
         return archive.read(f"rigid-body/{name}")
 
     assert lines(of("grades.csv")) == lines(asked(f"{SLUG}/grades.csv")[2])
-    assert json.loads(of("grades.json"))["students"] == json.loads(asked(f"{SLUG}/grades.json")[2])["students"]
+    assert (
+        json.loads(of("grades.json"))["students"] == json.loads(asked(f"{SLUG}/grades.json")[2])["students"]
+    )
     roster = {line["name"]: line["role"] for line in lines(of("roster.csv"))}
     assert len(roster) == 9 and roster["tess"] == "assistant" and roster["ada"] == "student"
     (entry,) = [line for line in lines(of("audit/0001.csv")) if line["action"] == "roster"]

@@ -38,7 +38,12 @@ def test_a_request_is_made_by_its_student_and_answered_by_the_staff(ask, submiss
     path = f"/v1/submissions/{submission}/regrade-requests"
     assert ask("ann", path) == (200, [])
     status, made = ask("ann", path, WHY)
-    assert status == 201 and made["status"] == "open" and made["reason"] == WHY["reason"] and made["answer"] is None
+    assert (
+        status == 201
+        and made["status"] == "open"
+        and made["reason"] == WHY["reason"]
+        and made["answer"] is None
+    )
     answer = f"/v1/regrade-requests/{made['id']}/answer"
     assert ask("ann", answer, {"status": "accepted", "answer": "yes"})[0] == 403
     assert ask("tutor", answer, {"status": "open", "answer": "hm"})[0] == 422
@@ -83,7 +88,9 @@ def test_comments_stand_beside_existing_lines(ask, submission, url):
 def test_lines_of_a_notebook_are_counted_in_their_cell(ask, url):
     cells = [{"cell_type": "code", "source": text} for text in ("x = 1", "y = 2\nz = 3\n")]
     source = json.dumps({"cells": cells, "nbformat": 4, "nbformat_minor": 5, "metadata": {}})
-    sent = run(url, lambda database: hand_in(database, "ann", {"2-energy": "✓"}, source=source, filename="a.ipynb"))
+    sent = run(
+        url, lambda database: hand_in(database, "ann", {"2-energy": "✓"}, source=source, filename="a.ipynb")
+    )
     path = f"/v1/submissions/{sent}/comments"
     assert ask("prof", path, {"cell": 2, "line": 2, "comment": "c"})[0] == 201
     assert ask("prof", path, {"cell": 1, "line": 2, "comment": "c"})[0] == 422
@@ -91,7 +98,15 @@ def test_lines_of_a_notebook_are_counted_in_their_cell(ask, url):
 
 @pytest.mark.parametrize(
     "body",
-    [{}, {"reason": " "}, {"reason": "a\0b"}, {"reason": 1}, {"reason": "x" * 2001}, WHY | {"points": 5}, b'{"reason": "\\ud800"}'],
+    [
+        {},
+        {"reason": " "},
+        {"reason": "a\0b"},
+        {"reason": 1},
+        {"reason": "x" * 2001},
+        WHY | {"points": 5},
+        b'{"reason": "\\ud800"}',
+    ],
 )
 def test_a_malformed_request_is_rejected(ask, submission, body):
     assert ask("ann", f"/v1/submissions/{submission}/regrade-requests", body)[0] == 422

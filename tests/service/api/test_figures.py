@@ -31,7 +31,9 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
         worker = Worker(Settings(database_url=database_url), "w1")
         worker._grader = NoSandbox()
         while not all(request.done() for request in requests):
-            for row in await database.rows("SELECT args->>'attempt' AS grading FROM procrastinate_jobs WHERE task_name = 'sweep'"):
+            for row in await database.rows(
+                "SELECT args->>'attempt' AS grading FROM procrastinate_jobs WHERE task_name = 'sweep'"
+            ):
                 await worker._sweep(row.grading)
                 async with database.begin() as connection:
                     await connection.execute("DELETE FROM procrastinate_jobs WHERE task_name = 'sweep'")
@@ -53,7 +55,10 @@ def test_the_process_that_renders_starts_while_somebody_waits_for_the_report(dat
     id, before = submitted(database_url, "local")[0], set(multiprocessing.active_children())
     app = App(database_url=database_url, identity="local")
     try:
-        assert json.load(urllib.request.urlopen(f"{app.url}/v1/submissions/{id}", timeout=10))["status"] == "queued"
+        assert (
+            json.load(urllib.request.urlopen(f"{app.url}/v1/submissions/{id}", timeout=10))["status"]
+            == "queued"
+        )
         assert set(multiprocessing.active_children()) == before, "who only asks may never look at figures"
         with urllib.request.urlopen(f"{app.url}/v1/submissions/{id}/events", timeout=10) as stream:
             assert stream.readline() == b"event: queued\n"

@@ -14,10 +14,15 @@ def test_where_no_worker_has_a_sandbox_no_submission_is_taken_and_everything_say
     app = new_app(database_url=database_url, identity="local")
     run(database_url, lambda database: workers.register_worker(database, "w1", None, REFUSAL))
     status, _, body = call(app, "/readyz")
-    assert (status, json.loads(body)["checks"]) == (503, {"isolation": REFUSAL, "walls": REFUSAL, "database": "ok"})
+    assert (status, json.loads(body)["checks"]) == (
+        503,
+        {"isolation": REFUSAL, "walls": REFUSAL, "database": "ok"},
+    )
     status, _, body = post(app, {"source": "x = 1"})
     problem = json.loads(body)
-    assert status == 503 and problem["type"] == "urn:polhode:problem:no-walls" and REFUSAL in problem["detail"]
+    assert (
+        status == 503 and problem["type"] == "urn:polhode:problem:no-walls" and REFUSAL in problem["detail"]
+    )
     assert call(app, "/livez")[0] == call(app, "/v1/assignments")[0] == 200
 
 
@@ -32,7 +37,10 @@ def test_missing_tables_are_an_outage_that_is_logged_once(new_app, database_url)
         assert int(headers["retry-after"]) > 0 and "keep your work" in problem["detail"]
     assert call(app, "/v1/submissions/6f3ad1a8-7d2c-4f0f-8f5e-0a3f4e7d5c11")[0] == 503
     status, _, body = call(app, "/readyz")
-    assert (status, json.loads(body)["checks"]["database"]) == (503, "lost: tables are missing: submission, token")
+    assert (status, json.loads(body)["checks"]["database"]) == (
+        503,
+        "lost: tables are missing: submission, token",
+    )
     assert app.log.read_text().count("database unavailable") == 1 and "Traceback" not in app.log.read_text()
 
 

@@ -19,7 +19,10 @@ from tests.support.http_client import SUBMISSIONS, call, post
 @pytest.fixture(scope="module")
 def app(url, new_app):
     """An application with small limits, to which a worker is known."""
-    sql(url, "INSERT INTO worker (name, isolation, seen_at) VALUES ('w', 'namespaces', now() + interval '1 hour')")
+    sql(
+        url,
+        "INSERT INTO worker (name, isolation, seen_at) VALUES ('w', 'namespaces', now() + interval '1 hour')",
+    )
     return new_app(database_url=url, identity="local", submission_kib=20, upload_mib=16)
 
 
@@ -61,7 +64,10 @@ def test_a_notebook_with_outputs_is_stored_without_them(app, url, plain, full):
 
 def test_a_repeated_request_is_the_same_submission_whatever_its_outputs(app, url, plain, full):
     key = {"Idempotency_Key": str(uuid.uuid4())}
-    ids = {upload(app, content, **key)[1]["id"] for content in (full, full, with_outputs(plain, "another picture"))}
+    ids = {
+        upload(app, content, **key)[1]["id"]
+        for content in (full, full, with_outputs(plain, "another picture"))
+    }
     assert len(ids) == 1
     assert upload(app, plain.replace(b"I", b"J"), **key)[0] == 422
 
@@ -104,7 +110,9 @@ def test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here(databa
 @pytest.mark.slow
 def test_the_kit_and_the_server_agree_on_the_text(real_server, full, tmp_path, monkeypatch):
     (tmp_path / "mine.ipynb").write_bytes(full)
-    report = ecp.submit(file=tmp_path / "mine.ipynb", exercises="2", server=real_server.url, assignment="rigid-body")
+    report = ecp.submit(
+        file=tmp_path / "mine.ipynb", exercises="2", server=real_server.url, assignment="rigid-body"
+    )
     assert report.passed and not report.remark
     status, uploaded = upload(real_server, full, Prefer="wait=60")
     assert status == 200 and uploaded["sha256"] == report.sent.sha256 and uploaded["report"]["passed"]

@@ -1,4 +1,6 @@
-"""The HTTP interface against a real server: contract, errors as problems, nothing half-stored, nothing lost."""
+"""The HTTP interface against a real server: contract, errors as problems, nothing half-stored,
+nothing lost.
+"""
 
 import io
 import json
@@ -21,7 +23,10 @@ ISOLATION = "namespaces: bubblewrap, landlock, seccomp, limits"
 def form(filename, content, **fields):
     parts = [f'name="{k}"\r\n\r\n{v}'.encode() for k, v in fields.items()]
     parts.append(f'name="file"; filename="{filename}"\r\n\r\n'.encode() + content)
-    body = b"".join(b"--bound\r\nContent-Disposition: form-data; " + part + b"\r\n" for part in parts) + b"--bound--\r\n"
+    body = (
+        b"".join(b"--bound\r\nContent-Disposition: form-data; " + part + b"\r\n" for part in parts)
+        + b"--bound--\r\n"
+    )
     return body, "multipart/form-data; boundary=bound"
 
 
@@ -60,7 +65,11 @@ def test_assignments_tell_checks_tolerances_and_reasons(server):
 
 
 def test_report_as_json_and_text(server, right):
-    assert right["status"] == "graded" and right["report"]["passed"] and right["report"]["provenance"]["isolation"] == ISOLATION
+    assert (
+        right["status"] == "graded"
+        and right["report"]["passed"]
+        and right["report"]["provenance"]["isolation"] == ISOLATION
+    )
     status, headers, body = call(server, f"/v1/submissions/{right['id']}/report.txt")
     assert status == 200 and headers["content-type"].startswith("text/plain")
     lines = [o["line"] for e in right["report"]["exercises"] for o in e["outcomes"]]
@@ -81,7 +90,11 @@ def test_report_as_junit_xml(server, right):
 def test_accepted_at_once_and_graded_soon(server):
     status, headers, body = post(server, {"source": ZEROS, "exercises": ["2"]})
     document = json.loads(body)
-    assert status == 202 and headers["location"] == f"/v1/submissions/{document['id']}" and headers["retry-after"]
+    assert (
+        status == 202
+        and headers["location"] == f"/v1/submissions/{document['id']}"
+        and headers["retry-after"]
+    )
     assert document["status"] in ("queued", "running")
     for _ in range(100):
         document = json.loads(call(server, headers["location"])[2])
@@ -103,7 +116,11 @@ def test_figures_are_drawn_on_demand_and_cached(server, right):
     base = f"/v1/submissions/{right['id']}"
     for picture in right["report"]["figures"][:2]:
         status, headers, svg = call(server, f"{base}/figures/{picture['name']}.svg")
-        assert status == 200 and headers["content-type"].startswith("image/svg") and picture["alt"] in svg.decode()
+        assert (
+            status == 200
+            and headers["content-type"].startswith("image/svg")
+            and picture["alt"] in svg.decode()
+        )
     status, headers, png = call(server, f"{base}/figures/omega.png")
     with Image.open(io.BytesIO(png)) as image:
         assert image.format == "PNG"
@@ -120,7 +137,11 @@ def test_figures_are_drawn_on_demand_and_cached(server, right):
 def test_every_figure_is_drawn(server, right):
     for picture in right["report"]["figures"]:
         status, headers, svg = call(server, f"/v1/submissions/{right['id']}/figures/{picture['name']}.svg")
-        assert status == 200 and headers["content-type"].startswith("image/svg") and picture["alt"] in svg.decode()
+        assert (
+            status == 200
+            and headers["content-type"].startswith("image/svg")
+            and picture["alt"] in svg.decode()
+        )
 
 
 def test_pages(server, right):
@@ -132,12 +153,16 @@ def test_pages(server, right):
 
 def test_text_from_a_student_is_inert_in_a_page(server):
     source = (
-        "print('<script>alert(1)</script>\\u202e')\ndef euler_eqs(t, w, I):\n    raise ValueError('<img src=x onerror=alert(2)>')"
+        "print('<script>alert(1)</script>\\u202e')\ndef euler_eqs(t, w, I):\n    raise ValueError('<img src=x"
+        " onerror=alert(2)>')"
     )
     document = json.loads(post(server, {"source": source}, Prefer="wait=60")[2])
     page = call(server, f"/submissions/{document['id']}")[2].decode()
     assert (
-        "&lt;script&gt;" in page and page.count("<script") == 1 and "<img src=x" not in page and "\u202e" not in page
+        "&lt;script&gt;" in page
+        and page.count("<script") == 1
+        and "<img src=x" not in page
+        and "\u202e" not in page
     )  # our own module
 
 
@@ -173,7 +198,11 @@ def test_bad_requests_are_problems_and_leave_nothing(server, body, kind, status,
     got, headers, answer = call(server, SUBMISSIONS, body, Content_Type=kind)
     document = json.loads(answer)
     assert (got, headers["content-type"]) == (status, "application/problem+json")
-    assert document["type"] == f"urn:polhode:problem:{problem}" and document["status"] == status and document["detail"]
+    assert (
+        document["type"] == f"urn:polhode:problem:{problem}"
+        and document["status"] == status
+        and document["detail"]
+    )
     assert stored(server) == before
 
 
@@ -193,13 +222,19 @@ def test_bad_requests_are_problems_and_leave_nothing(server, body, kind, status,
 )
 def test_other_errors_have_the_same_shape(server, path, method, status):
     got, headers, answer = call(server, path, method=method)
-    assert (got, headers["content-type"], json.loads(answer)["status"]) == (status, "application/problem+json", status)
+    assert (got, headers["content-type"], json.loads(answer)["status"]) == (
+        status,
+        "application/problem+json",
+        status,
+    )
 
 
 def test_idempotency_key(server):
     key = uuid.uuid4().hex
     first = json.loads(post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key)[2])
-    again = json.loads(post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key, Prefer="wait=60")[2])
+    again = json.loads(
+        post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key, Prefer="wait=60")[2]
+    )
     assert first["id"] == again["id"] and again["status"] == "graded"
     status, _, answer = post(server, {"source": ZEROS, "exercises": ["3"]}, Idempotency_Key=key)
     assert status == 422 and json.loads(answer)["type"].endswith("key-reused")
@@ -210,7 +245,12 @@ def test_a_repetition_is_answered_with_the_last_submission_where_that_is_preferr
     first = json.loads(post(server, body, Prefer="wait=60")[2])
     status, headers, answer = post(server, body, Prefer="wait=60, No-Repeat")
     again = json.loads(answer)
-    assert (status, again["id"], again["repeated"], again["report"]["score"]) == (200, first["id"], True, first["report"]["score"])
+    assert (status, again["id"], again["repeated"], again["report"]["score"]) == (
+        200,
+        first["id"],
+        True,
+        first["report"]["score"],
+    )
     assert headers["Preference-Applied"] == "no-repeat" and headers["Location"].endswith(first["id"])
     status, _, answer = post(server, body, Prefer="wait=60")
     assert json.loads(answer)["id"] != first["id"] and "repeated" not in json.loads(answer)
@@ -221,7 +261,11 @@ def test_many_at_once_with_one_key_are_one_submission(server):
 
     key = uuid.uuid4().hex
     with ThreadPoolExecutor(40) as pool:
-        answers = list(pool.map(lambda _: post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key), range(40)))
+        answers = list(
+            pool.map(
+                lambda _: post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key), range(40)
+            )
+        )
     assert {status for status, _, _ in answers} == {202}
     assert len({json.loads(body)["id"] for _, _, body in answers}) == 1
 
@@ -295,7 +339,9 @@ def test_every_sample_gets_its_expected_report_over_http(server, rigid_body):
     with ThreadPoolExecutor(3) as pool:
         answers = list(pool.map(grade, known))
     for sample, answer in zip(known, answers, strict=True):
-        if sample.unexpected(answer["report"]):  # on a crowded machine a film may run out of its time: once more, alone
+        if sample.unexpected(
+            answer["report"]
+        ):  # on a crowded machine a film may run out of its time: once more, alone
             answer = grade(sample)
         outcomes = [o for e in answer["report"]["exercises"] for o in e["outcomes"]]
         assert not sample.unexpected(answer["report"]), sample.file.name
@@ -321,7 +367,10 @@ def test_deadline_number_and_person(new_app, database_url, monkeypatch):
     assert told(Remote_User="ann") == (403, "none-left") and told(Remote_User="ben") == (202, "queued")
     assign("--due", "2026-01-01T00:00Z")
     assert told(Remote_User="cleo") == (403, "deadline-over")
-    seen = [call(server, "/", Remote_User=name)[2].decode().count('href="/submissions/') for name in ("ann", "ben", "cleo")]
+    seen = [
+        call(server, "/", Remote_User=name)[2].decode().count('href="/submissions/')
+        for name in ("ann", "ben", "cleo")
+    ]
     assert seen == [1, 1, 0] and call(server, "/")[0] == 401
 
 
@@ -332,7 +381,9 @@ def test_log_lines_are_json_with_ids_and_hold_no_source_and_no_header(server):
     before = len(server.log.read_text())
     status, answered, _ = post(server, {"source": source, "exercises": ["2"]}, Prefer="wait=60", **headers)
     assert status == 200
-    assert post(server, {"source": source, "exercises": ["3"]}, **headers)[0] == 422, "another body under that key"
+    assert post(server, {"source": source, "exercises": ["3"]}, **headers)[0] == 422, (
+        "another body under that key"
+    )
     deadline = time.monotonic() + 30
     while '"graded"' not in (told := server.log.read_text()[before:]) or not told.endswith("\n"):
         assert time.monotonic() < deadline
@@ -341,7 +392,10 @@ def test_log_lines_are_json_with_ids_and_hold_no_source_and_no_header(server):
     lines = [json.loads(line) for line in told.splitlines()]
     mine = [line for line in lines if line.get("request") == answered["x-request-id"]]
     assert mine and mine[-1]["route"] == "/v1/assignments/{slug}/submissions" and mine[-1]["status"] == 200
-    assert any(line["message"] == "graded" and uuid.UUID(line["grading"]) and line["attempt"] == line["grading"] for line in lines)
+    assert any(
+        line["message"] == "graded" and uuid.UUID(line["grading"]) and line["attempt"] == line["grading"]
+        for line in lines
+    )
 
 
 @pytest.mark.slow

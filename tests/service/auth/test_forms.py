@@ -1,4 +1,6 @@
-"""Forms, of a real server: who may send them, whatever they are encoded in, and sizes at which a course still gets its answer."""
+"""Forms, of a real server: who may send them, whatever they are encoded in, and sizes at which a course still
+gets its answer.
+"""
 
 import csv
 import http.client
@@ -29,7 +31,9 @@ def boss(server, url):
 def ask(server, token, path, body=None, charset="utf-8"):
     """Status, headers and text of the answer; ``body`` is sent as a form of several parts."""
     headers = {"Accept": "text/html", "Authorization": f"Bearer {token}"}
-    headers |= {"Content-Type": f"multipart/form-data; boundary=x; charset={charset}"} if body is not None else {}
+    headers |= (
+        {"Content-Type": f"multipart/form-data; boundary=x; charset={charset}"} if body is not None else {}
+    )
     connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
     try:
         connection.request("GET" if body is None else "POST", path, body, headers)
@@ -40,11 +44,18 @@ def ask(server, token, path, body=None, charset="utf-8"):
 
 
 def form(server, token, fields, file=None):
-    """The body of a form with the token of a page; values are bytes, ``file`` is name and content of a roster."""
+    """The body of a form with the token of a page; values are bytes, ``file`` is name and content of a
+    roster.
+    """
     found = re.search(r'name="csrf" value="(\w+)"', ask(server, token, "/people")[2])
-    parts = [(b'"' + name.encode() + b'"', value) for name, value in ({"csrf": found[1].encode()} | fields).items()]
+    parts = [
+        (b'"' + name.encode() + b'"', value) for name, value in ({"csrf": found[1].encode()} | fields).items()
+    ]
     parts += [(b'"roster"; filename="' + file[0] + b'"', file[1])] if file else []
-    return b"".join(b"--x\r\nContent-Disposition: form-data; name=%s\r\n\r\n%s\r\n" % one for one in parts) + b"--x--\r\n"
+    return (
+        b"".join(b"--x\r\nContent-Disposition: form-data; name=%s\r\n\r\n%s\r\n" % one for one in parts)
+        + b"--x--\r\n"
+    )
 
 
 def test_the_token_of_a_form_is_of_one_session_person_or_visit():
@@ -53,9 +64,13 @@ def test_the_token_of_a_form_is_of_one_session_person_or_visit():
         return forms.csrf_token(person, Cookies(asked, b"of this course", None, secure=False))
 
     sessions = [Person("ann", frozenset(tokens.BROWSER), session=uuid.UUID(int=k)) for k in range(2)]
-    people = [{"person": person} for person in (*sessions, Person("ann", frozenset()), Person("ben", frozenset()))]
+    people = [
+        {"person": person} for person in (*sessions, Person("ann", frozenset()), Person("ben", frozenset()))
+    ]
     visits = [{"cookie": b"polhode_visit=" + letter * 43} for letter in (b"a", b"b")]
-    assert len({token(**one) for one in [*people, *visits]}) == 6 and all(token(**one) == token(**one) for one in people)
+    assert len({token(**one) for one in [*people, *visits]}) == 6 and all(
+        token(**one) == token(**one) for one in people
+    )
 
 
 @pytest.mark.parametrize("scopes", [("read",), tokens.NOTEBOOK])
@@ -68,7 +83,10 @@ def test_a_token_that_may_only_read_or_submit_changes_nothing(server, url, boss,
     assert ask(server, token, "/people")[0] == 200
     for path in ("/people", RULES, "/assignments/rigid-body/regrades"):
         status, _, page = ask(
-            server, token, path, form(server, token, {"tokens": b"1", "which": b"all"}, (b"a.csv", b"name\nboss\n"))
+            server,
+            token,
+            path,
+            form(server, token, {"tokens": b"1", "which": b"all"}, (b"a.csv", b"name\nboss\n")),
         )
         assert status == 403 and "does not permit login" in page, path
     assert sql(url, "SELECT count(*) FROM token WHERE label = 'issued with the roster'") == [(0,)]
@@ -121,7 +139,10 @@ def test_what_a_roster_leaves_out_stays(database_url):
             await people.enroll(connection, [])
 
     run(database_url, enter)
-    rows = sql(database_url, "SELECT name, role, full_name, email, student_id FROM person JOIN member ON person_id = person.id")
+    rows = sql(
+        database_url,
+        "SELECT name, role, full_name, email, student_id FROM person JOIN member ON person_id = person.id",
+    )
     assert sorted(row for row in rows if row[0] != "local") == [
         ("ann", "assistant", "Ann", "a@b.example", "7"),
         ("ben", "former", "", "", ""),
@@ -136,7 +157,9 @@ def test_rules_beyond_the_calendar_are_refused_and_the_pages_stay(server, url, b
     status, _, page = ask(server, boss, RULES, form(server, boss, field))
     assert status == 422 and "expected a " in page
     assert [ask(server, boss, path)[0] for path in ("/", CLASS, "/grades.csv")] == [200, 200, 200]
-    assert sql(url, "SELECT due_at, submission_limit FROM assignment WHERE slug = 'rigid-body'") == [(None, None)]
+    assert sql(url, "SELECT due_at, submission_limit FROM assignment WHERE slug = 'rigid-body'") == [
+        (None, None)
+    ]
 
 
 def test_a_browser_is_told_everything_as_a_page(server, boss):
@@ -152,8 +175,20 @@ def test_a_browser_is_told_of_an_outage_as_a_page(new_app, postgres):
     name = part.Identifier(url.partition("?")[0].rpartition("/")[2])
     with psycopg.connect(postgres.url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
         connection.execute(part.SQL("ALTER DATABASE {} ALLOW_CONNECTIONS false").format(name))
-        connection.execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s", [name.as_string()[1:-1]])
-    paths = ("/", "/people", CLASS, "/queue", "/account", "/audit", "/grades.csv", "/assignments/rigid-body/regrades")
+        connection.execute(
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s",
+            [name.as_string()[1:-1]],
+        )
+    paths = (
+        "/",
+        "/people",
+        CLASS,
+        "/queue",
+        "/account",
+        "/audit",
+        "/grades.csv",
+        "/assignments/rigid-body/regrades",
+    )
     for path in paths:
         status, headers, page = ask(server, token, path)
         assert (status, headers.get_content_type(), headers["retry-after"]) == (503, "text/html", "5"), path

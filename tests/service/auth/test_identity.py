@@ -47,7 +47,9 @@ def call(server, path, body=None, token=None, method=None, scheme="Bearer", **he
     )
     given |= {"Authorization": f"{scheme} {token}"} if token else {}
     try:
-        with urllib.request.urlopen(urllib.request.Request(server.url + path, body, given, method=method), timeout=30) as answer:
+        with urllib.request.urlopen(
+            urllib.request.Request(server.url + path, body, given, method=method), timeout=30
+        ) as answer:
             return answer.status, json.loads(answer.read() or b"null"), answer.headers
     except urllib.error.HTTPError as error:
         with error:
@@ -55,7 +57,12 @@ def call(server, path, body=None, token=None, method=None, scheme="Bearer", **he
 
 
 def given(url, name, scopes=tokens.SCOPES, seconds=1000.0):
-    return run(url, inside(lambda connection: tokens.create(connection, name, label="test", scopes=scopes, seconds=seconds)))
+    return run(
+        url,
+        inside(
+            lambda connection: tokens.create(connection, name, label="test", scopes=scopes, seconds=seconds)
+        ),
+    )
 
 
 def inside(action):
@@ -90,7 +97,11 @@ def test_a_token_is_kept_as_its_digest_only(server, url):
     token = given(url, "dora")
     rows = sql(url, "SELECT t::text FROM token t") + sql(url, "SELECT a::text FROM audit a")
     assert not any(token in row[0] or token[20:] in row[0] for row in rows)
-    assert call(server, "/v1/me", token=token)[1] == {"person": "dora", "scopes": ["login", "read", "submit"], "local": False}
+    assert call(server, "/v1/me", token=token)[1] == {
+        "person": "dora",
+        "scopes": ["login", "read", "submit"],
+        "local": False,
+    }
     assert token not in server.log.read_text()
 
 
@@ -111,7 +122,9 @@ def test_users_who_share_a_server_without_logins_share_a_larger_number(new_app, 
     assert [call(server, SLUG, ZEROS)[0] for _ in range(11)] == [202] * 10 + [429]
 
 
-def test_one_address_that_starts_many_logins_does_not_keep_others_from_logging_in(new_app, database_url, monkeypatch):
+def test_one_address_that_starts_many_logins_does_not_keep_others_from_logging_in(
+    new_app, database_url, monkeypatch
+):
     monkeypatch.setattr(rate_limit, "STARTS", RateLimitItemPerMinute(5))
     server = new_app(database_url=database_url)
     answers = [call(server, "/v1/logins", b"{}", X_Forwarded_For="10.0.0.5") for _ in range(7)]
@@ -172,8 +185,12 @@ def test_a_notebook_is_logged_in_by_a_code_confirmed_in_the_browser(server, url)
 def test_a_login_can_be_refused_and_a_code_works_once(server, url):
     asked = call(server, "/v1/logins", b"{}")[1]
     browser = Browser(server)
-    assert "Refused" in browser.send("/login", code=asked["user_code"], token=given(url, "eve"), refuse="yes")[1]
-    assert call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 410
+    assert (
+        "Refused" in browser.send("/login", code=asked["user_code"], token=given(url, "eve"), refuse="yes")[1]
+    )
+    assert (
+        call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 410
+    )
     assert browser.send("/login", code=asked["user_code"])[0] == 404
 
 
@@ -183,15 +200,21 @@ def test_another_site_cannot_confirm_in_a_persons_name(server, url):
     page = f"/login?code={asked['user_code']}"
     assert browser.open("/login", code=asked["user_code"])[0] == 403, "without the token of a form"
     assert browser.send("/login", page, origin="https://evil.example", code=asked["user_code"])[0] == 403
-    assert call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 202
-    assert "authorized as eve" in browser.send("/login", page, code=asked["user_code"])[1]  # its own page needs no token again
+    assert (
+        call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 202
+    )
+    assert (
+        "authorized as eve" in browser.send("/login", page, code=asked["user_code"])[1]
+    )  # its own page needs no token again
 
 
 def test_revoking_a_person_also_ends_a_login_that_is_confirmed_and_not_collected(server, url):
     asked = call(server, "/v1/logins", b"{}")[1]
     Browser(server).send("/login", code=asked["user_code"], token=given(url, "gil"))
     run(url, inside(lambda connection: tokens.revoke(connection, person="gil")))
-    assert call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 410
+    assert (
+        call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 410
+    )
 
 
 def test_a_notebooks_own_token_opens_no_browser_and_confirms_nothing(server, url):
@@ -205,7 +228,9 @@ def test_a_browser_sees_its_own_after_login_and_nothing_after_logout(server, url
     for path in ("/", "/assignments/rigid-body"):
         assert "Token from your course" in browser.open(path)[1]
     browser.log_in(token=given(url, "fay"))
-    assert all(browser.open(path)[1].count('href="/submissions/') == 1 for path in ("/", "/assignments/rigid-body"))
+    assert all(
+        browser.open(path)[1].count('href="/submissions/') == 1 for path in ("/", "/assignments/rigid-body")
+    )
     browser.send("/logout")
     assert "You are logged out" in browser.open("/login?out=1")[1] and browser.open("/account")[0] == 200
     assert browser.at == "/login?next=/account"
@@ -233,12 +258,23 @@ def test_a_kernel_in_the_hub_submits_with_the_hubs_own_token(server, url, hub):
 
 
 @pytest.mark.slow
-def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_other(server, url, hub, kit, tmp_path):
+def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_other(
+    server, url, hub, kit, tmp_path
+):
     def attempts(named):
-        environment = hub.kernel("ann") | {"PYTHONPATH": str(kit), "HOME": str(tmp_path), "PATH": os.environ["PATH"]}
+        environment = hub.kernel("ann") | {
+            "PYTHONPATH": str(kit),
+            "HOME": str(tmp_path),
+            "PATH": os.environ["PATH"],
+        }
         code = f"import ecp; ecp.connect({server.url!r}); print('sent', len(ecp.attempts()))"
         done = subprocess.run(
-            [sys.executable, "-P", "-c", code], env=environment | named, capture_output=True, text=True, timeout=60, cwd=tmp_path
+            [sys.executable, "-P", "-c", code],
+            env=environment | named,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            cwd=tmp_path,
         )
         return done.stdout + done.stderr
 
@@ -273,7 +309,9 @@ def test_a_page_of_another_site_may_call_if_it_is_named(server, url):
     asked = {"Origin": "https://lite.example", "Access_Control_Request_Method": "POST"}
     asked |= {"Access_Control_Request_Headers": "authorization,content-type,idempotency-key"}
     with urllib.request.urlopen(
-        urllib.request.Request(server.url + SLUG, None, {k.replace("_", "-"): v for k, v in asked.items()}, method="OPTIONS")
+        urllib.request.Request(
+            server.url + SLUG, None, {k.replace("_", "-"): v for k, v in asked.items()}, method="OPTIONS"
+        )
     ) as answer:
         assert answer.headers["access-control-allow-origin"] == "https://lite.example"
         assert "idempotency-key" in answer.headers["access-control-allow-headers"].lower()
@@ -290,7 +328,11 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
 
     roster, made = tmp_path / "roster.csv", tmp_path / "tokens.csv"
     roster.write_text("name,role\nGül,student\nProf. Hu,instructor\n")
-    assert polhode("roster", roster, "--tokens", made) == (0, f"imported 2 people; their tokens are in {made}\n", "")
+    assert polhode("roster", roster, "--tokens", made) == (
+        0,
+        f"imported 2 people; their tokens are in {made}\n",
+        "",
+    )
     assert made.stat().st_mode & 0o077 == 0 and polhode("roster", roster, "--tokens", made)[0] == 2
     of = {row["name"]: row["token"] for row in csv.DictReader(made.read_text().splitlines())}
     assert call(server, "/v1/me", token=of["Gül"])[1]["person"] == "Gül"
@@ -298,20 +340,29 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
     code, listed, _ = polhode("token", "list", "Gül")
     id = listed.split()[0]
     assert code == 0 and of["Gül"][:12] in listed and of["Gül"] not in listed
-    assert polhode("token", "revoke", id)[:2] == (0, "revoked 1 token(s)\n") and call(server, "/v1/me", token=of["Gül"])[0] == 401
+    assert (
+        polhode("token", "revoke", id)[:2] == (0, "revoked 1 token(s)\n")
+        and call(server, "/v1/me", token=of["Gül"])[0] == 401
+    )
     again = polhode("token", "give", "Gül", "--scope", "read")[1].strip()
     assert call(server, "/v1/me", token=again)[1]["scopes"] == ["read"]
     for text, why in {
-        "name,role\nIda,king\n": "line 2: a role must be one of student, assistant, instructor, former, not king",
+        "name,role\nIda,king\n": (
+            "line 2: a role must be one of student, assistant, instructor, former, not king"
+        ),
         "name,rôle\nIda,student\n": "the first line must name the columns",
         "name\n\x1b[31m\n": "line 2: a name must have 1 to 200 printable characters",
         "name\n": "has no entries",
     }.items():
         roster.write_text(text)
-        assert why in polhode("roster", roster, "--tokens", tmp_path / "b")[2] and not (tmp_path / "b").exists()
+        assert (
+            why in polhode("roster", roster, "--tokens", tmp_path / "b")[2] and not (tmp_path / "b").exists()
+        )
     roster.write_text("Name\nProf. Hu\n")
     assert polhode("roster", roster, "--tokens", tmp_path / "b")[0] == 0
-    assert run(url, lambda database: people.role(database, "Prof. Hu")) == "instructor", "a list of names demotes nobody"
+    assert run(url, lambda database: people.role(database, "Prof. Hu")) == "instructor", (
+        "a list of names demotes nobody"
+    )
     assert [r[0] for r in sql(url, "SELECT action FROM audit ORDER BY id")][-4:] == [
         "roster",
         "revoke token",
@@ -334,6 +385,15 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
 )
 def test_only_a_page_of_this_server_or_of_a_named_site_may_send(headers, allowed):
     sent = [(name.encode(), value.encode()) for name, value in ({"host": "here.example"} | headers).items()]
-    scope = {"type": "http", "scheme": "http", "method": "POST", "path": "/", "query_string": b"", "headers": sent}
+    scope = {
+        "type": "http",
+        "scheme": "http",
+        "method": "POST",
+        "path": "/",
+        "query_string": b"",
+        "headers": sent,
+    }
     with contextlib.nullcontext() if allowed else pytest.raises(Problem):
-        asyncio.run(same_origin(Request(scope), Settings(origins="https://lite.example"), "http://127.0.0.1:8000"))
+        asyncio.run(
+            same_origin(Request(scope), Settings(origins="https://lite.example"), "http://127.0.0.1:8000")
+        )

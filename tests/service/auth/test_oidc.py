@@ -25,7 +25,12 @@ def honest(provider):
 
 
 def settings(url, provider, **changed):
-    own = {"database_url": url, "oidc_issuer": provider.url, "oidc_client_id": "polhode", "oidc_client_secret": "s3cret"}
+    own = {
+        "database_url": url,
+        "oidc_issuer": provider.url,
+        "oidc_client_id": "polhode",
+        "oidc_client_secret": "s3cret",
+    }
     return own | {"oidc_name": "Uni Ω"} | changed
 
 
@@ -53,20 +58,31 @@ def test_the_whole_dance(server, url, provider):
     assert 'href="/oidc/login?next=/assignments/rigid-body"' in page and "Sign in with Uni Ω" in page
     browser.open("/oidc/login?next=/assignments/rigid-body")
     asked = urllib.parse.parse_qs(urllib.parse.urlsplit(browser.at).query)
-    assert asked["response_type"] == ["code"] and asked["code_challenge_method"] == ["S256"] and len(asked["nonce"][0]) >= 20
+    assert (
+        asked["response_type"] == ["code"]
+        and asked["code_challenge_method"] == ["S256"]
+        and len(asked["nonce"][0]) >= 20
+    )
     assert asked["redirect_uri"] == [f"{server.url}/oidc/callback"] and "openid" in asked["scope"][0]
     status, page = browser.open(browser.at, sub="s-1")
     assert status == 200 and browser.at == "/assignments/rigid-body" and "Zoë" in page
-    assert sql(url, "SELECT role FROM member m JOIN person p ON p.id = person_id WHERE name = 'Zoë'") == [("student",)]
+    assert sql(url, "SELECT role FROM member m JOIN person p ON p.id = person_id WHERE name = 'Zoë'") == [
+        ("student",)
+    ]
     assert sql(url, "SELECT issuer, subject FROM oidc_account") == [(provider.url, "s-1")]
-    assert "by Uni Ω <b>(this session)</b>" in browser.open("/account")[1] and browser.cookie("polhode_sign_in") is None
+    assert (
+        "by Uni Ω <b>(this session)</b>" in browser.open("/account")[1]
+        and browser.cookie("polhode_sign_in") is None
+    )
     assert browser.cookie("polhode_session").has_nonstandard_attr("HttpOnly")
 
 
 def test_a_path_too_long_for_a_cookie_is_left_out(server, provider):
     provider.user("s-90", preferred_username="liz")
     browser = Browser(server)
-    assert sign_in(browser, "s-90", "/oidc/login?next=/account%3F" + 6000 * "a")[0] == 200 and browser.cookie("polhode_session")
+    assert sign_in(browser, "s-90", "/oidc/login?next=/account%3F" + 6000 * "a")[0] == 200 and browser.cookie(
+        "polhode_session"
+    )
 
 
 def test_the_account_counts_and_not_its_name(server, url, provider):
@@ -100,7 +116,10 @@ def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, prov
     assert status == 200 and "Account connected" in page and provider.url in page
     assert ">ben</dd>" in sign_in(Browser(server), "s-5")[1]
     monkeypatch.setenv("POLHODE_DATABASE_URL", url)
-    assert (main(["unlink", "ben"]), capsys.readouterr().out) == (0, "the OpenID account of ben is unlinked\n")
+    assert (main(["unlink", "ben"]), capsys.readouterr().out) == (
+        0,
+        "the OpenID account of ben is unlinked\n",
+    )
     assert owner.open("/v1/me")[0] == 401 and sign_in(Browser(server), "s-5")[0] == 403
 
 
@@ -116,7 +135,9 @@ def test_what_the_provider_did_not_sign_for_this_login_is_refused(server, url, p
     browser = Browser(server)
     status, page = sign_in(browser, "s-6")
     assert status == 403 and why in page, page
-    assert browser.cookie("polhode_session") is None and sql(url, "SELECT count(*) FROM person WHERE name = 'cas'") == [(0,)]
+    assert browser.cookie("polhode_session") is None and sql(
+        url, "SELECT count(*) FROM person WHERE name = 'cas'"
+    ) == [(0,)]
 
 
 def test_what_it_did_sign_is_taken_also_when_signed_by_these_tests(server, provider):
@@ -172,7 +193,11 @@ def test_the_way_back_is_for_the_browser_that_went_and_for_once(server, provider
         (browser, back.replace("state=", "state=x")),
     ):
         status, page = other.open(address)
-        assert status == 403 and "was not started in this browser" in page and other.cookie("polhode_session") is None
+        assert (
+            status == 403
+            and "was not started in this browser" in page
+            and other.cookie("polhode_session") is None
+        )
     attacker, victim = Stopping(server), Stopping(server)
     theirs = attacker.way_back("s-8")
     victim.way_back("s-8")
@@ -245,7 +270,9 @@ def test_a_provider_that_is_away_keeps_nobody_else_out(new_app, url, away):
     back = browser.way_back("s-1")
     away.stop()
     for status, page in (browser.open(back), Browser(other).open("/oidc/login")):
-        assert status == 503 and "the sign-in provider does not respond" in page and "log in another way" in page
+        assert (
+            status == 503 and "the sign-in provider does not respond" in page and "log in another way" in page
+        )
     entered(url, "ida", password="correct horse battery")
     assert Browser(other).log_in(name="ida", password="correct horse battery").open("/v1/me")[0] == 200
 
@@ -264,7 +291,11 @@ def test_a_server_without_provider_has_no_such_page(new_app, url):
     ],
 )
 def test_settings_that_cannot_work_are_reported_at_the_start(tmp_path, monkeypatch, capsys, changed, why):
-    own = {"POLHODE_IDENTITY": "token", "POLHODE_OIDC_ISSUER": "https://uni.example", "POLHODE_DATA": str(tmp_path / "data")}
+    own = {
+        "POLHODE_IDENTITY": "token",
+        "POLHODE_OIDC_ISSUER": "https://uni.example",
+        "POLHODE_DATA": str(tmp_path / "data"),
+    }
     own |= {"POLHODE_OIDC_CLIENT_ID": "polhode", "POLHODE_OIDC_CLIENT_SECRET": "s3cret"}
     for name, value in (own | changed).items():
         monkeypatch.setenv(name, value)
@@ -279,6 +310,8 @@ def test_packages_that_are_missing_are_named(monkeypatch):
 
     monkeypatch.setattr(oidc.importlib.util, "find_spec", lambda name: None)
     given = Settings(identity="token", oidc_issuer="https://uni.example", oidc_client_id="x")
-    with pytest.raises(oidc.NotInstalled, match="needs authlib and httpx2: install polhode's wheel with its extra oidc"):
+    with pytest.raises(
+        oidc.NotInstalled, match="needs authlib and httpx2: install polhode's wheel with its extra oidc"
+    ):
         oidc.provider(given)
     assert oidc.provider(Settings()) is None

@@ -1,4 +1,6 @@
-"""Hashes of passwords: what they cost, and that a guess costs the same whether or not there is a password to guess."""
+"""Hashes of passwords: what they cost, and that a guess costs the same whether or not there is a password to
+guess.
+"""
 
 import argon2
 import pytest
@@ -11,7 +13,9 @@ PASSWORD = "correct horse battery"
 
 def test_a_hash_is_as_hard_to_compute_as_rfc_9106_recommends():
     for kept in (passwords.hash_password(PASSWORD), passwords.dummy_hash()):
-        assert extract_parameters(kept) == argon2.profiles.RFC_9106_LOW_MEMORY and kept.startswith("$argon2id$")
+        assert extract_parameters(kept) == argon2.profiles.RFC_9106_LOW_MEMORY and kept.startswith(
+            "$argon2id$"
+        )
         assert not passwords.needs_rehash(kept)
     assert passwords.needs_rehash(PasswordHasher(time_cost=1, memory_cost=1024, parallelism=1).hash(PASSWORD))
 

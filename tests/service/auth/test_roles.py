@@ -1,4 +1,6 @@
-"""Three roles and every page there is: what a page is open to is read from the routes, and tried by each of them."""
+"""Three roles and every page there is: what a page is open to is read from the routes, and tried by each of
+them.
+"""
 
 import json
 import re
@@ -18,7 +20,15 @@ UPLOAD = "/assignments/{slug}/submissions"
 ROLES = ("student", "assistant", "instructor")
 RANK = {role: rank for rank, role in enumerate(ROLES)}
 # Pages that nobody has to be known for. Whatever else has no role declared fails below.
-OPEN = {"/docs", "/login", "/logout", "/oidc/login", "/oidc/callback", "/reference", "/reference/{kind}/{number}.svg"}
+OPEN = {
+    "/docs",
+    "/login",
+    "/logout",
+    "/oidc/login",
+    "/oidc/callback",
+    "/reference",
+    "/reference/{kind}/{number}.svg",
+}
 LEAST = {roles.current_user: "student", roles.staff: "assistant", roles.instructor: "instructor"}
 
 
@@ -65,9 +75,13 @@ def filled(path, submission):
 
 
 def tried(browser, method, path):
-    """Status and, of a problem, its sentence; a form has the token that the role's own pages put into theirs."""
+    """Status and, of a problem, its sentence; a form has the token that the role's own pages put into
+    theirs.
+    """
     body = b"csrf=" + HIDDEN.search(browser.open("/account")[1])[1].encode() if method == "POST" else None
-    request = urllib.request.Request(browser.server.url + path, body, {"Accept": "application/json"}, method=method)
+    request = urllib.request.Request(
+        browser.server.url + path, body, {"Accept": "application/json"}, method=method
+    )
     try:
         with browser._opener.open(request, timeout=30) as answer:
             return answer.status, ""
@@ -83,7 +97,9 @@ def test_every_page_declares_whom_it_is_for():
 
 
 def test_what_students_may_open_and_what_only_instructors_may_do():
-    """The rest is for all of the staff. Here it stands once more, so that no page changes its role by mistake."""
+    """The rest is for all of the staff. Here it stands once more, so that no page changes its role by
+    mistake.
+    """
     students = {path for _, path, least in GUARDED if least == "student"}
     own = {
         "/submissions/{id}",
@@ -92,15 +108,33 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
         "/v1/submissions/{id}/report.html",
     }
     account = {"/account", "/account/logout-everywhere", "/account/password", "/account/revoke"}
-    assert students == {"/", "/assignments/{slug}", UPLOAD, "/submissions/{id}/regrade-requests", *own, *account}
-    points = {"/submissions/{id}/overrides", "/submissions/{id}/overrides/{override}/withdraw", "/regrades/{id}/apply"}
-    terms = {"/assignments/{slug}/rules", "/assignments/{slug}/extensions", "/assignments/{slug}/release", "/settings"}
+    assert students == {
+        "/",
+        "/assignments/{slug}",
+        UPLOAD,
+        "/submissions/{id}/regrade-requests",
+        *own,
+        *account,
+    }
+    points = {
+        "/submissions/{id}/overrides",
+        "/submissions/{id}/overrides/{override}/withdraw",
+        "/regrades/{id}/apply",
+    }
+    terms = {
+        "/assignments/{slug}/rules",
+        "/assignments/{slug}/extensions",
+        "/assignments/{slug}/release",
+        "/settings",
+    }
     changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}
     assert changes == {*points, *terms, "/people", "/people/preview"}
 
 
 def test_another_site_cannot_submit(browsers):
-    status, page = browsers["student"].open(UPLOAD.format(slug="rigid-body"), origin="https://evil.example", file="x = 1")
+    status, page = browsers["student"].open(
+        UPLOAD.format(slug="rigid-body"), origin="https://evil.example", file="x = 1"
+    )
     assert status == 403 and "another site" in page
 
 
@@ -109,10 +143,15 @@ def test_every_form_is_checked():
 
     for router in app.PAGES:
         for route in router.routes:
-            if route.path in (UPLOAD, "/logout"):  # the submission's parser reads its form; the other is in compressed pages
+            if route.path in (
+                UPLOAD,
+                "/logout",
+            ):  # the submission's parser reads its form; the other is in compressed pages
                 assert same_origin in set(calls(route.dependant))
             elif "POST" in route.methods:
-                assert {forms.checked_form, forms.checked_public_form} & set(calls(route.dependant)), route.path
+                assert {forms.checked_form, forms.checked_public_form} & set(calls(route.dependant)), (
+                    route.path
+                )
 
 
 @pytest.mark.parametrize(("method", "path", "least"), GUARDED)

@@ -25,7 +25,11 @@ WRONG = [
     (["assign", "rigid-body", "--due", "tomorrow"], {}, "a time such as"),
     (["assign", "rigid-body", "--due", "2026-12-01T12:00"], {}, "time zone"),
     (["export", "gradescope", "--out", "x.zip", "--assignment", "nope"], {}, "no assignment nope"),
-    (["export", "gradescope", "--out", "x.zip", "--assignment", "rigid-body", "--exercise", "9"], {}, "no exercise 9"),
+    (
+        ["export", "gradescope", "--out", "x.zip", "--assignment", "rigid-body", "--exercise", "9"],
+        {},
+        "no exercise 9",
+    ),
     (["roster", "--tokens", "t.csv"], {}, "apply to an import: give the file ROSTER.csv too"),
     (["roster", "--days", "9"], {}, "apply to an import: give the file ROSTER.csv too"),
     (["roster", "people.csv", "--days", "9"], {}, "give the file --tokens TOKENS.csv too"),
@@ -69,8 +73,10 @@ def test_a_server_or_worker_that_cannot_start_says_why_in_a_sentence(arguments, 
 
 LATER = "revision 9999"
 STORE = [
-    ["queue"], ["regrade", "--faults"], ["assign", "rigid-body", "--grace", "5"], ["db", "upgrade"], ["db", "check"],
-    ["token", "give", "ann"], ["token", "list"], ["unlink", "ann"], ["roster", "roster.csv", "--tokens", "tokens.csv"],
+    ["queue"], ["regrade", "--faults"], ["assign", "rigid-body", "--grace", "5"], ["db", "upgrade"], ["db",
+    "check"],
+    ["token", "give", "ann"], ["token", "list"], ["unlink", "ann"], ["roster", "roster.csv", "--tokens",
+    "tokens.csv"],
 ]  # fmt: skip
 
 
@@ -101,6 +107,8 @@ def test_the_version_is_that_of_the_installed_distribution():
 def test_regrading_what_does_not_exist_and_rules_that_are_set(monkeypatch, database_url):
     monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
     told = polhode("regrade", "00000000-0000-0000-0000-000000000001")
-    assert told.returncode == 2 and told.stdout == "queued for regrading: 0\n" and "do not exist" in told.stderr
+    assert (
+        told.returncode == 2 and told.stdout == "queued for regrading: 0\n" and "do not exist" in told.stderr
+    )
     told = polhode("assign", "nope")
     assert told.returncode == 2 and "no assignment nope" in told.stderr

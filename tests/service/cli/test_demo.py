@@ -22,7 +22,9 @@ from tests.support.fake_server import Scripted, says
 
 
 @pytest.mark.slow
-def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report(real_server, monkeypatch, capsys):
+def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report(
+    real_server, monkeypatch, capsys
+):
     wanted = {"right_terms.py", "wrong_zeros.py"}
 
     def some(assignment):
@@ -45,7 +47,10 @@ def test_its_class_is_entered_once(database_url):
     count = add_class(settings, demo.SLUGS)
     assert count > 40 and add_class(settings, demo.SLUGS) == 0
     assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
-    sent = sql(database_url, "SELECT slug, count(*) > 14 FROM submission JOIN assignment a ON a.id = assignment_id GROUP BY 1")
+    sent = sql(
+        database_url,
+        "SELECT slug, count(*) > 14 FROM submission JOIN assignment a ON a.id = assignment_id GROUP BY 1",
+    )
     assert sorted(sent) == [(slug, True) for slug in sorted(demo.SLUGS)]
 
 
@@ -84,7 +89,9 @@ def test_a_port_that_cannot_be_used_is_named_before_anything_starts(port, monkey
 @pytest.mark.slow
 def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_path):
     environment = os.environ | {"POLHODE_DATA": str(tmp_path / "demo"), "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen([sys.executable, "-m", "service.cli.demo"], env=environment, stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "service.cli.demo"], env=environment, stdout=subprocess.PIPE, text=True
+    )
     try:
         told = ""
         while "Press Ctrl-C" not in told:

@@ -55,7 +55,9 @@ def test_a_name_that_leads_nowhere(tree, name):
 
 def test_a_named_file_that_cannot_be_a_submission(tree):
     (tree / "README.md").write_text("# euler_eqs")
-    with pytest.raises(NoSubmissionFound, match=r"README\.md: cannot be a submission: name a \.py, \.ipynb or \.json file"):
+    with pytest.raises(
+        NoSubmissionFound, match=r"README\.md: cannot be a submission: name a \.py, \.ipynb or \.json file"
+    ):
         find_files(["b.py", "README.md"])
     told = polhode("grade", "b.py", "README.md", "--assignment", "rigid-body")
     assert told.returncode == 2 and "README.md: cannot be a submission" in told.stderr and not told.stdout
@@ -117,10 +119,15 @@ def test_one_of_several_is_told_by_the_functions_or_by_the_folder(file, tmp_path
     with known(folder):
         assert resolve_assignment(None, [file("def euler_eqs(t, w, I): ...")]).slug == "rigid-body"
         assert (
-            resolve_assignment(None, [file('{"source": ["oscillator = lambda t, y, omega, gamma: y"]}', "a.ipynb")]).slug
+            resolve_assignment(
+                None, [file('{"source": ["oscillator = lambda t, y, omega, gamma: y"]}', "a.ipynb")]
+            ).slug
             == "damped-oscillator"
         )
-        assert resolve_assignment(None, [file('{"source": "import os\\ndef euler_eqs(): ..."}', "b.ipynb")]).slug == "rigid-body"
+        assert (
+            resolve_assignment(None, [file('{"source": "import os\\ndef euler_eqs(): ..."}', "b.ipynb")]).slug
+            == "rigid-body"
+        )
         assert resolve_assignment(None, [file("euler_eqs = 1"), file("x = 1", "b.py")]).slug == "rigid-body"
         assert resolve_assignment(None, [folder / "samples" / "right_terms.py"]).slug == "damped-oscillator"
         assert resolve_assignment("rigid_body", [folder / "samples" / "right_terms.py"]).slug == "rigid-body"
@@ -129,7 +136,10 @@ def test_one_of_several_is_told_by_the_functions_or_by_the_folder(file, tmp_path
 def test_the_functions_that_a_file_defines_take_precedence_over_those_that_it_names(file, tmp_path):
     copied(tmp_path / "course")
     with known(tmp_path / "course"):
-        assert resolve_assignment(None, [file("def euler_eqs(t, w, I): ...\nfrom mine import oscillator")]).slug == "rigid-body"
+        assert (
+            resolve_assignment(None, [file("def euler_eqs(t, w, I): ...\nfrom mine import oscillator")]).slug
+            == "rigid-body"
+        )
         assert resolve_assignment(None, [file("from mine import oscillator")]).slug == "damped-oscillator"
 
 
@@ -150,7 +160,10 @@ def test_nothing_is_guessed(file, tmp_path):
             with pytest.raises(NoAssignment, match="give --assignment damped-oscillator or rigid-body"):
                 resolve_assignment(None, [file(source)])
     copied(course, "same_functions")
-    with known(course), pytest.raises(NoAssignment, match="damped-oscillator or rigid-body or same-functions"):
+    with (
+        known(course),
+        pytest.raises(NoAssignment, match="damped-oscillator or rigid-body or same-functions"),
+    ):
         resolve_assignment(None, [file("def oscillator(): ...")])
 
 
@@ -170,5 +183,11 @@ def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, ca
         assert "polhode: assignment broken-one: hidden_checks.py line 5" in capsys.readouterr().err
         assert main(["assignments"]) == 2
         told = capsys.readouterr()
-        assert "damped-oscillator  The damped oscillator" in told.out and "polhode: assignment broken-one" in told.err
-        assert main(["grade", "--assignment", "damped-oscillator", str(folder / "samples" / "right_terms.py")]) == 0
+        assert (
+            "damped-oscillator  The damped oscillator" in told.out
+            and "polhode: assignment broken-one" in told.err
+        )
+        assert (
+            main(["grade", "--assignment", "damped-oscillator", str(folder / "samples" / "right_terms.py")])
+            == 0
+        )

@@ -17,7 +17,9 @@ from tests.support.assignments import change, copied, known
 from tests.support.limits import largest_file
 
 COMMAND = [sys.executable, "-m", "service.cli"]
-BUFFERED = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}  # as where nobody set it
+BUFFERED = {
+    name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"
+}  # as where nobody set it
 
 
 @pytest.fixture
@@ -33,15 +35,34 @@ def test_assignments(polhode):
 def test_grade_prints_lines_and_exits_0_when_all_pass(polhode, folder, tmp_path):
     told = polhode("grade", folder / "right_all.py", "--exercise", "2", "--exercise", "6", "--out", tmp_path)
     assert told.returncode == 0, told.stderr
-    assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "13 of 13 points" in told.stdout
+    assert (
+        "✓  rotational energy conserved (torque-free)   [" in told.stdout and "13 of 13 points" in told.stdout
+    )
     written = {p.name for p in (tmp_path / "right_all").iterdir()}
-    assert written == {"index.html", "report.txt", "report.json", "omega.svg", "omega-residual.svg", "cone.svg", "precession.png"}
+    assert written == {
+        "index.html",
+        "report.txt",
+        "report.json",
+        "omega.svg",
+        "omega-residual.svg",
+        "cone.svg",
+        "precession.png",
+    }
     assert 'href="right_all/index.html"' in (tmp_path / "index.html").read_text()
 
 
 def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(polhode, folder):
     told = polhode(
-        "grade", folder / "right_terms.py", folder / "wrong_zeros.py", "--exercise", "2", "--jobs", "1", "--json", "--seed", "3"
+        "grade",
+        folder / "right_terms.py",
+        folder / "wrong_zeros.py",
+        "--exercise",
+        "2",
+        "--jobs",
+        "1",
+        "--json",
+        "--seed",
+        "3",
     )
     document = json.loads(told.stdout)
     assert told.returncode == 1
@@ -59,7 +80,9 @@ def test_grade_has_the_servers_time_limits(tmp_path):
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 1 and "your submission did not finish within 2 s in all" in done.stdout, done.stderr
+    assert done.returncode == 1 and "your submission did not finish within 2 s in all" in done.stdout, (
+        done.stderr
+    )
 
 
 @pytest.mark.parametrize(
@@ -92,7 +115,9 @@ def test_reports_of_files_with_one_name_do_not_overwrite_each_other(polhode, fol
         (tmp_path / student).mkdir()
         (tmp_path / student / "ex.py").write_text((folder / "wrong_zeros.py").read_text())
     files = [tmp_path / s / "ex.py" for s in ("alice", "bob")]
-    assert polhode("grade", *files, "--exercise", "2", "--jobs", "1", "--out", tmp_path / "out").returncode == 1
+    assert (
+        polhode("grade", *files, "--exercise", "2", "--jobs", "1", "--out", tmp_path / "out").returncode == 1
+    )
     assert len(list((tmp_path / "out").glob("*/report.json"))) == 2
 
 
@@ -106,16 +131,27 @@ def test_grade_imports_neither_web_nor_database_nor_drawing_nor_another_assignme
         f"import sys\nfor name in {absent}:\n    sys.modules[name] = None\n"
         f"from service.cli.__main__ import main\nsys.exit(main(['grade', {file!r}, '--exercise', '2']))"
     )
-    assert subprocess.run([sys.executable, "-c", script], capture_output=True, check=False, env=without_settings).returncode == 0
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, check=False, env=without_settings
+        ).returncode
+        == 0
+    )
 
 
 @pytest.mark.slow
 def test_many_files_are_graded_in_several_processes_and_told_in_order(polhode, folder, tmp_path):
     for number in range(5):
-        (tmp_path / f"s{number}.py").write_text((folder / ("wrong_zeros.py" if number == 3 else "right_terms.py")).read_text())
+        (tmp_path / f"s{number}.py").write_text(
+            (folder / ("wrong_zeros.py" if number == 3 else "right_terms.py")).read_text()
+        )
     told = polhode("grade", tmp_path, "--exercise", "2", "--jobs", "2", "--seed", "7")
-    assert [line for line in told.stdout.split("\n") if line.startswith("== ")] == [f"== {tmp_path}/s{n}.py" for n in range(5)]
-    assert told.stdout.endswith("5 files: 4 all ✓, 1 not all ✓\n") and told.returncode == 1 and told.stderr == ""
+    assert [line for line in told.stdout.split("\n") if line.startswith("== ")] == [
+        f"== {tmp_path}/s{n}.py" for n in range(5)
+    ]
+    assert (
+        told.stdout.endswith("5 files: 4 all ✓, 1 not all ✓\n") and told.returncode == 1 and told.stderr == ""
+    )
     alone = polhode("grade", tmp_path / "s3.py", "--exercise", "2", "--seed", "7")
     assert alone.stdout.split("\n", 1)[1] in told.stdout  # the same questions, the same lines
 
@@ -125,7 +161,9 @@ def test_a_full_disk_is_no_verdict(folder):
     """Neither where we print nor where we write."""
     with open("/dev/full", "w") as full:
         command = [*COMMAND, "grade", folder / "right_terms.py", "--exercise", "2"]
-        printed = subprocess.run(command, env=BUFFERED, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        printed = subprocess.run(
+            command, env=BUFFERED, stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
     assert printed.returncode == 2 and "No space left on device" in printed.stderr
 
 
@@ -139,9 +177,13 @@ def test_a_full_disk_is_no_verdict(folder):
     ids=" ".join,
 )
 def test_a_full_disk_below_the_log_is_no_verdict(folder, arguments):
-    """A traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
+    """A traceback that cannot be printed would end with Python's own exit code,
+    which is an answer of ours.
+    """
     with open("/dev/full", "w") as full:
-        told = subprocess.run([*COMMAND, *arguments], cwd=folder, env=BUFFERED, stdout=full, stderr=full, check=False)
+        told = subprocess.run(
+            [*COMMAND, *arguments], cwd=folder, env=BUFFERED, stdout=full, stderr=full, check=False
+        )
     assert told.returncode == 2
 
 
@@ -154,15 +196,22 @@ def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path):
 
 @pytest.mark.slow
 def test_names_of_files_cost_nobody_a_report_and_are_no_lines_of_ours(polhode, folder, tmp_path):
-    """Of bytes that are no UTF-8, and of several lines, also where a file is refused; where nobody can print a ✓."""
+    """Of bytes that are no UTF-8, and of several lines, also where a file is refused; where nobody can print
+    a ✓.
+    """
     for name in (b"no\xff.py", b"a\n::error::b.py"):
-        Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)).write_text((folder / "right_terms.py").read_text())
+        Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)).write_text(
+            (folder / "right_terms.py").read_text()
+        )
     Path(os.fsdecode(os.fsencode(tmp_path) + b"/x\n::error::c.py")).write_bytes(b"\0")
     written = [part for form in ("csv", "junit", "out") for part in (f"--{form}", tmp_path / "told" / form)]
     told = polhode("grade", tmp_path, "--exercise", "2", "--jobs", "1", *written, encoding="ascii")
     assert told.returncode == 1 and "3 files: 2 all \\u2713, 1 no submission" in told.stdout, told.stderr
     assert not [line for line in f"{told.stdout}\n{told.stderr}".split("\n") if line.startswith("::")]
-    assert len(list((tmp_path / "told" / "out").glob("*/report.json"))) == 2 and len(list((tmp_path / "told").iterdir())) == 3
+    assert (
+        len(list((tmp_path / "told" / "out").glob("*/report.json"))) == 2
+        and len(list((tmp_path / "told").iterdir())) == 3
+    )
     told = polhode("grade", tmp_path, "--exercise", "2", "--jobs", "1", "--json", encoding="ascii")
     assert [bool(r["report"]) for r in json.loads(told.stdout)["reports"]] == [True, True, False]
 
@@ -200,7 +249,9 @@ def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     stdout, stderr = running.communicate(timeout=60)
     reports = json.loads(stdout)["reports"]
     assert running.returncode == 2 and "a grading process was lost" in stderr
-    assert any("fault" in r for r in reports) and all(bool(r["report"]) != bool(r.get("fault")) for r in reports)
+    assert any("fault" in r for r in reports) and all(
+        bool(r["report"]) != bool(r.get("fault")) for r in reports
+    )
 
 
 def children(pid):
@@ -227,7 +278,9 @@ def _command(process):
 def test_an_interrupted_batch_leaves_no_process(folder):
     files = [folder / "hostile_endless.py", folder / "hostile_memory.py"]
     command = [*COMMAND, "grade", *files, "--exercise", "2", "--jobs", "2"]
-    heard = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}  # whoever runs us may ignore it
+    heard = {
+        "preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    }  # whoever runs us may ignore it
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **heard) as running:
         deadline = time.monotonic() + 30
         while len(hands := children(running.pid)) < 2:
@@ -255,17 +308,26 @@ def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(polhode, folder
         files = [folder / "right_terms.py", folder / "wrong_zeros.py"]
         told = polhode("grade", *files, "--exercise", "2", "--jobs", "1", stderr=stderr)
     shown = b""
-    with open(terminal, "rb", buffering=0) as screen, contextlib.suppress(OSError):  # EIO after the last of it
+    with (
+        open(terminal, "rb", buffering=0) as screen,
+        contextlib.suppress(OSError),
+    ):  # EIO after the last of it
         while part := screen.read(1 << 16):
             shown += part
     shown = shown.decode()
-    assert "\r\x1b[K0 of 2 graded" in shown and "2 of 2 graded, 1 all ✓ so far" in shown and shown.endswith("\r\x1b[K")
+    assert (
+        "\r\x1b[K0 of 2 graded" in shown
+        and "2 of 2 graded, 1 all ✓ so far" in shown
+        and shown.endswith("\r\x1b[K")
+    )
     assert "graded" not in told.stdout and told.returncode == 1
 
 
 def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     folder = copied(tmp_path, "pendulum")
-    change(folder / "assignment.py", 'notebook="notebook.ipynb"', 'setup="1 / 0"')  # in the child, before it reads the submission
+    change(
+        folder / "assignment.py", 'notebook="notebook.ipynb"', 'setup="1 / 0"'
+    )  # in the child, before it reads the submission
     mine = folder / "samples/right_terms.py"
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2

@@ -31,13 +31,19 @@ def grade(home, files):
     if not written.exists():
         return code, None
     results = json.loads(written.read_text())
-    return code, (results["score"], sum(test.get("max_score", 0) for test in results["tests"]), results["output"])
+    return code, (
+        results["score"],
+        sum(test.get("max_score", 0) for test in results["tests"]),
+        results["output"],
+    )
 
 
 @pytest.mark.slow
 def test_a_submission_gets_its_points(home, rigid_body):
     wrong = (rigid_body.folder / "samples" / "wrong_zeros.py").read_bytes()
-    code, results = grade(home, {"wrong_zeros.py": wrong, ".ipynb_checkpoints/old.py": b"x = 1", "notes.txt": b"mine"})
+    code, results = grade(
+        home, {"wrong_zeros.py": wrong, ".ipynb_checkpoints/old.py": b"x = 1", "notes.txt": b"mine"}
+    )
     assert code == 0 and results[:2] == (2, 5)
 
 
@@ -70,5 +76,9 @@ def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(home):
 
 def test_the_program_that_reports_a_failed_grading_imports_none_of_its_libraries():
     program = "import sys; from service.cli import gradescope; print(*sys.modules)"
-    imported = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
-    assert "service.cli.files" in imported and not {"numpy", "scipy", "pydantic", "exercises", "ecp"} & set(imported)
+    imported = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert "service.cli.files" in imported and not {"numpy", "scipy", "pydantic", "exercises", "ecp"} & set(
+        imported
+    )

@@ -34,15 +34,17 @@ def test_the_samples_stay_out(rigid_body, tmp_path):
         }
         <= held.keys()
     )
-    solutions = {path.read_bytes() for path in (rigid_body.folder / "samples").iterdir() if path.is_file()} | {
-        b"def solved(): pass"
-    }
+    solutions = {
+        path.read_bytes() for path in (rigid_body.folder / "samples").iterdir() if path.is_file()
+    } | {b"def solved(): pass"}
     assert "exercises/pendulum/2.1.ipynb" not in held
     assert not [path for path in held if "/samples/" in path] and not solutions & set(held.values())
 
 
 class Gradescope:
-    """What its harness does: unpacks the zip, builds the image once; for each submission runs run_autograder, takes the results."""
+    """What its harness does: unpacks the zip, builds the image once; for each submission runs run_autograder,
+    takes the results.
+    """
 
     def __init__(self, home):
         self.home = home
@@ -75,7 +77,9 @@ class Gradescope:
 @pytest.fixture(scope="module")
 def gradescope(tmp_path_factory):
     made = Gradescope(tmp_path_factory.mktemp("gradescope") / "autograder")
-    assert made.built.returncode == 0 and "self-test     passed" in made.built.stdout, made.built.stdout + made.built.stderr
+    assert made.built.returncode == 0 and "self-test     passed" in made.built.stdout, (
+        made.built.stdout + made.built.stderr
+    )
     return made
 
 
@@ -85,7 +89,9 @@ def sample(rigid_body):
 
 
 @pytest.mark.slow
-def test_the_zip_holds_programs_that_install_by_hashes_and_run_the_harness_on_the_exercises_asked_for(rigid_body, tmp_path):
+def test_the_zip_holds_programs_that_install_by_hashes_and_run_the_harness_on_the_exercises_asked_for(
+    rigid_body, tmp_path
+):
     """In a container run test_a_submission_gets_its_points and those below; here there is no /autograder."""
     with zipfile.ZipFile(io.BytesIO(bundle(rigid_body, ["2", "6"]))) as archive:
         archive.extractall(tmp_path)
@@ -93,7 +99,10 @@ def test_the_zip_holds_programs_that_install_by_hashes_and_run_the_harness_on_th
     assert {name for name, mode in modes.items() if mode & 0o111} == {"setup.sh", "run_autograder"}
     assert modes.keys() == {"setup.sh", "run_autograder", "requirements.lock", own_wheel()[0]}
     assert subprocess.run(["bash", "-n", tmp_path / "setup.sh"], check=False).returncode == 0
-    assert "install --quiet --require-hashes --requirement requirements.lock" in (tmp_path / "setup.sh").read_text()
+    assert (
+        "install --quiet --require-hashes --requirement requirements.lock"
+        in (tmp_path / "setup.sh").read_text()
+    )
     script = (tmp_path / "run_autograder").read_text()
     assert " --assignment rigid-body --exercise 2 --exercise 6 2>&1\n" in script
     script = script.replace("/autograder/polhode/bin/python", sys.executable)
@@ -108,7 +117,9 @@ def points(results):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "expected"), [("right_notebook.ipynb", (5, 5)), ("wrong_zeros.py", (2, 5))])
 def test_a_submission_gets_its_points(gradescope, sample, name, expected):
-    code, printed, results = gradescope.grade({name: sample(name), ".ipynb_checkpoints/old.py": b"x = 1", "notes.txt": b"mine"})
+    code, printed, results = gradescope.grade(
+        {name: sample(name), ".ipynb_checkpoints/old.py": b"x = 1", "notes.txt": b"mine"}
+    )
     assert (code, points(results)) == (0, expected), printed
     assert f"== /autograder/submission/{name}" in printed
 
@@ -144,7 +155,9 @@ def test_what_is_no_submission_gets_a_sentence_for_the_student(gradescope, files
     ],
     ids=["no sandbox", "no room on the disk", "no memory"],
 )
-def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(gradescope, sample, before, environment, reason):
+def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(
+    gradescope, sample, before, environment, reason
+):
     code, printed, results = gradescope.grade({"mine.py": sample("right_terms.py")}, before, **environment)
     assert (code, results) == (2, None)
     assert reason in printed and "system fault (exit code " in printed.splitlines()[-1]

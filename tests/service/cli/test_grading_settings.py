@@ -11,7 +11,9 @@ def test_the_defaults_are_those_of_the_settings(monkeypatch):
     assert Defaults()._asdict() == {name: getattr(settings, name) for name in Defaults._fields}
 
 
-@pytest.mark.parametrize(("name", "value", "read"), [("POLHODE_GRADING_CPU", "7", 7.0), ("POLHODE_COURSE", "waves", 60.0)])
+@pytest.mark.parametrize(
+    ("name", "value", "read"), [("POLHODE_GRADING_CPU", "7", 7.0), ("POLHODE_COURSE", "waves", 60.0)]
+)
 def test_a_setting_in_the_environment_applies(monkeypatch, name, value, read):
     monkeypatch.setenv(name, value)
     assert read_settings().grading_cpu == read

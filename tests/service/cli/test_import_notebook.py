@@ -9,7 +9,10 @@ from tests.support.course_shape import notebook, published, written
 def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_path, capsys):
     course = tmp_path / "course"
     written(course / "1-sums", "small-sums.ipynb", published())
-    in_function = 'def check_all():\n    validate.check(True, "inside")\nvalidate.check(x > 1, label)\nvalidate.check(x > 0)\n'
+    in_function = (
+        'def check_all():\n    validate.check(True, "inside")\nvalidate.check(x > 1, label)\nvalidate.check(x'
+        " > 0)\n"
+    )
     cells = [
         ("markdown", "t", [], "# Odd things"),
         ("code", "s", [], "import sympy\nfrom ecp import nowhere, validate\nimport no_such_package\n"),
@@ -26,12 +29,17 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
     assert "notebook_2_2_odd_ones: 1 of 3 validation lines, self-reported" in printed.out
     assert "not taken over: published cell 3, line 2: the call is inside a function" in printed.out
     assert "not taken over: published cell 3, line 4: the call has no label" in printed.out
-    assert "no_such_package is not installed on this machine" in printed.out and "the kit has no ecp.nowhere" in printed.out
+    assert (
+        "no_such_package is not installed on this machine" in printed.out
+        and "the kit has no ecp.nowhere" in printed.out
+    )
     assert "empty.ipynb has no cell that calls validate.close" in printed.err
     text = (tmp_path / "into" / "notebook_2_2_odd_ones" / "assignment.py").read_text()
     assert 'packages=("sympy",)' in text and 'line("{label}")' in text
     with known(tmp_path / "into") as found:
-        assert sorted(found.valid) == ["notebook-2-2-odd-ones", "rigid-body", "small-sums"] and not found.invalid
+        assert (
+            sorted(found.valid) == ["notebook-2-2-odd-ones", "rigid-body", "small-sums"] and not found.invalid
+        )
         students = found.valid["small-sums"].notebook()
     assert "ecp.submit()" in students and "ecp.check(" not in students
 
@@ -52,14 +60,22 @@ def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
 
 def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, capsys):
     setup = (
-        "import numpy as np\nfrom ecp import validate\nfrom ecp import validate as v\nd = np.loadtxt('d.csv')\ne = 'absent.csv'\n"
+        "import numpy as np\nfrom ecp import validate\nfrom ecp import validate as v\nd ="
+        " np.loadtxt('d.csv')\ne = 'absent.csv'\n"
     )
-    file = written(tmp_path, "data.ipynb", notebook(("code", "s", [], setup), ("code", "c", [], 'validate.positive(d, "d > 0")')))
+    file = written(
+        tmp_path,
+        "data.ipynb",
+        notebook(("code", "s", [], setup), ("code", "c", [], 'validate.positive(d, "d > 0")')),
+    )
     written(tmp_path, "d.csv", "1 2 3")
     with known():
         assert main(["import-notebook", str(file), "--into", str(tmp_path / "into")]) == 0
     printed = capsys.readouterr().out
-    assert "absent.csv is not beside the notebook" in printed and "calls validate v: calls under that name" in printed
+    assert (
+        "absent.csv is not beside the notebook" in printed
+        and "calls validate v: calls under that name" in printed
+    )
     assert "no cell is tagged solution" in printed
     assert (tmp_path / "into" / "data" / "d.csv").read_text() == "1 2 3"
     assert 'data=("d.csv",),' in (tmp_path / "into" / "data" / "assignment.py").read_text()

@@ -22,5 +22,7 @@ except AssertionError:
 
 
 def test_scipy_executes_none_of_them_and_a_use_does():
-    done = subprocess.run([sys.executable, "-I", "-c", START + USES], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", START + USES], capture_output=True, text=True, check=True
+    )
     assert done.stdout == "[] True True\n"

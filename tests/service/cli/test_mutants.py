@@ -78,7 +78,8 @@ def test_the_variants_of_a_declaration(tmp_path, capsys):
     assert "turned out correct: wrong-function, `abs` is missing in `abs(2 * x)`" in lines
     assert "WRONG, BUT ACCEPTED: constant-factor, `x` is halved in `y - x`" in lines
     assert any(
-        re.fullmatch(r"(\d+) of \d+ wrong functions that return numbers fail a check \(\d\d\.\d %\)", line) for line in lines
+        re.fullmatch(r"(\d+) of \d+ wrong functions that return numbers fail a check \(\d\d\.\d %\)", line)
+        for line in lines
     )
 
 

@@ -1,4 +1,6 @@
-"""The simulated queue against waits computed by hand, against queueing theory, and as the command prints it."""
+"""The simulated queue against waits computed by hand, against queueing theory,
+and as the command prints it.
+"""
 
 import math
 from dataclasses import replace
@@ -29,7 +31,9 @@ def arrivals(accepted, person, service):
         if len(person) < 1000
         else person * 0 + 1
     )
-    return Arrivals(np.asarray(accepted, float), person, turn, np.broadcast_to(np.asarray(service, float), len(person)))
+    return Arrivals(
+        np.asarray(accepted, float), person, turn, np.broadcast_to(np.asarray(service, float), len(person))
+    )
 
 
 def poisson(n, rate, service, seed):
@@ -45,7 +49,9 @@ def test_one_worker_by_hand():
     given = arrivals([0, 1, 2, 20], [1, 2, 3, 4], [5, 3, 2, 1])
     assert start_times(given, 1).tolist() == [0, 5, 8, 20]
     found = summary(given, start_times(given, 1), 1, deadline_s=4)
-    assert found.waits["all"] == pytest.approx({"p50": 2.0, "p90": 5.4, "p99": 5.94, "max": 6.0})  # of 0, 0, 4 and 6
+    assert found.waits["all"] == pytest.approx(
+        {"p50": 2.0, "p90": 5.4, "p99": 5.94, "max": 6.0}
+    )  # of 0, 0, 4 and 6
     assert (found.longest_queue, found.emptied_s) == (2, 16)
     assert found.utilisation == 11 / 21
 
@@ -93,7 +99,9 @@ def oldest(given, begun):
 
 @pytest.mark.parametrize("rush", [False, True])
 def test_nobody_starves(rush):
-    """Whoever's turn it is waits for each of the others at most once, and for nobody whose turn comes later."""
+    """Whoever's turn it is waits for each of the others at most once,
+    and for nobody whose turn comes later.
+    """
     asked = Deadline(students=300, minutes=2, workers=2, rush=rush, seconds=(0.36,))
     given = draw(asked)
     begun = start_times(given, 2)
@@ -110,10 +118,16 @@ def test_nobody_starves(rush):
 
 def test_waits_at_a_deadline_that_two_workers_cannot_meet():
     waits = simulate(Deadline(students=300, minutes=2, workers=2, seconds=(0.36,))).waits
-    found = [[waits[which][q] for q in ("p50", "p99", "max")] for which in ("students' first", "students' no. 3", "all")]
-    assert found == [
-        pytest.approx(row, abs=0.1) for row in ([6.4, 22.3, 32.8], [31.3, 63.3, 72.2], [16.6, 56.1, 72.2])
-    ]  # where nobody ever moved up, all waited 10.2, 101.6 and 124.2; first come, first served: 17.7, 41.2 and 42.0
+    found = [
+        [waits[which][q] for q in ("p50", "p99", "max")]
+        for which in ("students' first", "students' no. 3", "all")
+    ]
+    assert (
+        found
+        == [
+            pytest.approx(row, abs=0.1) for row in ([6.4, 22.3, 32.8], [31.3, 63.3, 72.2], [16.6, 56.1, 72.2])
+        ]
+    )  # where nobody ever moved up, all waited 10.2, 101.6 and 124.2; first come, first served: 17.7, 41.2 and 42.0
 
 
 def test_the_wait_begins_anew_once_there_is_a_result():
@@ -127,7 +141,9 @@ def test_nobody_waits_where_everybody_has_a_worker():
 
 
 def test_no_order_changes_when_workers_begin():
-    """With one constant service time the moments at which work is begun are the same in any order of a queue."""
+    """With one constant service time the moments at which work is begun are the same in any order of a
+    queue.
+    """
     given = draw(Deadline(students=40, minutes=1, workers=3, submissions=5, rush=True, seconds=(1.0,)))
     in_turn = Arrivals(given.accepted, np.arange(len(given.person)), given.turn, given.service)
     ranked, first_come = start_times(given, 3), start_times(in_turn, 3)
@@ -164,7 +180,9 @@ def test_arrivals_are_distributed_as_told(rush, moments):
 
 
 def test_the_same_seed_gives_the_same_answer():
-    one, same, other = (simulate(Deadline(students=50, minutes=2, workers=1, seed=seed)) for seed in (1, 1, 2))
+    one, same, other = (
+        simulate(Deadline(students=50, minutes=2, workers=1, seed=seed)) for seed in (1, 1, 2)
+    )
     assert one == same
     assert one != other
 
@@ -182,7 +200,9 @@ def test_fewer_seconds_need_more_workers_and_one_less_is_too_few():
     assert needed[0] > needed[-1] == 1
     arrived = draw(asked)
     for limit, workers in zip(limits[:-1], needed, strict=False):
-        waits = [np.quantile(start_times(arrived, w) - arrived.accepted, 0.99) for w in (workers - 1, workers)]
+        waits = [
+            np.quantile(start_times(arrived, w) - arrived.accepted, 0.99) for w in (workers - 1, workers)
+        ]
         assert waits[0] > limit >= waits[1]
 
 
@@ -195,8 +215,9 @@ def test_what_is_out_of_range_is_named_together():
 
 def test_table():
     given = arrivals([0, 1, 2, 20], ["a", "a", "b", "c"], [5, 3, 2, 1])
-    assert table(summary(given, start_times(given, 1), 1, deadline_s=4)) == (
-        "seconds waited            p50      p90      p99      max\n"
+    assert (
+        table(summary(given, start_times(given, 1), 1, deadline_s=4))
+        == "seconds waited            p50      p90      p99      max\n"
         "all                       1.5      5.1      5.9      6.0\n"
         "students' first           0.0      2.4      2.9      3.0\n"
         "students' no. 2           6.0      6.0      6.0      6.0\n"
@@ -219,7 +240,9 @@ def test_command(capsys):
     assert "--workers must be more than 0" in capsys.readouterr().err
 
 
-def test_the_chart_has_the_fewest_workers_and_what_they_cost_at_each_class_size(tmp_path, monkeypatch, capsys):
+def test_the_chart_has_the_fewest_workers_and_what_they_cost_at_each_class_size(
+    tmp_path, monkeypatch, capsys
+):
     monkeypatch.setattr(plan, "CLASSES", (10, 300))
     asked = Deadline(students=1, minutes=1, workers=1, seconds=(0.5, 2.0))
     found = plan.costs(asked, 5.0)
@@ -227,14 +250,19 @@ def test_the_chart_has_the_fewest_workers_and_what_they_cost_at_each_class_size(
         assert workers == workers_needed(replace(asked, students=students), 5.0)
         waits = simulate(replace(asked, students=students, workers=workers))
         assert cost * students * asked.submissions == pytest.approx(workers * (60 + waits.emptied_s))
-    assert found[0][2] > found[1][2] > 1.25, "few students leave a worker idle; no worker is cheaper than the grading"
+    assert found[0][2] > found[1][2] > 1.25, (
+        "few students leave a worker idle; no worker is cheaper than the grading"
+    )
     file = tmp_path / "cost.svg"
     assert polhode_plan(f"--chart {file} --minutes 1 --p99 60 --submissions 2") == 0
     drawn = file.read_text()
     assert "one exercise:" in drawn and "a whole notebook:" in drawn
     assert "2 submissions each in 1 min; 99 % wait at most 60 s" in drawn
     for more in ("", "--p99 1 --workers 2", "--p99 1 --notebook"):
-        assert polhode_plan(f"--chart {file} --minutes 1 {more}") == 2 and "give --p99, not --workers" in capsys.readouterr().err
+        assert (
+            polhode_plan(f"--chart {file} --minutes 1 {more}") == 2
+            and "give --p99, not --workers" in capsys.readouterr().err
+        )
 
 
 def test_whole_notebooks_take_longer_than_one_exercise(capsys):
@@ -244,4 +272,6 @@ def test_whole_notebooks_take_longer_than_one_exercise(capsys):
         assert main([*asked, *more]) == 0
         printed.append(capsys.readouterr().out)
     assert printed[0] != printed[1]
-    assert sum(measured("notebook")) / len(measured("notebook")) > sum(measured("exercise")) / len(measured("exercise"))
+    assert sum(measured("notebook")) / len(measured("notebook")) > sum(measured("exercise")) / len(
+        measured("exercise")
+    )

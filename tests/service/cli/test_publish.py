@@ -16,7 +16,9 @@ def test_the_file_is_the_notebook_that_a_server_of_that_address_serves(tmp_path,
     with known(FOLDER) as found:
         assert main(["publish", "toolbox", "--into", str(file.parent), "--server", "https://x.org/"]) == 0
         assert capsys.readouterr().out == f"written to {file}\n"
-        served = wheel.notebook(found.valid["toolbox"], "https://x.org", f"https://x.org/kit/{wheel.filename('toolbox')}")
+        served = wheel.notebook(
+            found.valid["toolbox"], "https://x.org", f"https://x.org/kit/{wheel.filename('toolbox')}"
+        )
         assert file.read_bytes() == served and "{{" not in file.read_text()
         monkeypatch.setenv("POLHODE_PUBLIC_URL", "https://y.org")
         assert main(["publish", "toolbox", "--into", str(file.parent)]) == 0
@@ -28,11 +30,16 @@ def test_the_file_is_the_notebook_that_a_server_of_that_address_serves(tmp_path,
     [
         (["falling"], "give --server URL or set POLHODE_PUBLIC_URL"),
         (["rising", "--server", "https://x.org"], "there is no assignment rising"),
-        (["falling", "--server", "https://x.org", "--into", "falling"], "would lie beside the author's notebook"),
+        (
+            ["falling", "--server", "https://x.org", "--into", "falling"],
+            "would lie beside the author's notebook",
+        ),
         (["falling", "--server", "https://x.org", "--into", "falling/assignment.py"], "File exists"),
     ],
 )
-def test_what_cannot_be_published_is_an_error_and_writes_nothing(tmp_path, capsys, monkeypatch, arguments, sentence):
+def test_what_cannot_be_published_is_an_error_and_writes_nothing(
+    tmp_path, capsys, monkeypatch, arguments, sentence
+):
     folder = write(tmp_path)
     monkeypatch.chdir(tmp_path)
     before = {file: file.read_bytes() for file in folder.iterdir()}

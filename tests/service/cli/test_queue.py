@@ -5,7 +5,10 @@ import pytest
 from tests.support.command_line import polhode
 from tests.support.database import run, sql
 
-RULES = "SELECT due_at AT TIME ZONE 'UTC', grace_s, submission_limit, weight FROM assignment WHERE slug = 'rigid-body'"
+RULES = (
+    "SELECT due_at AT TIME ZONE 'UTC', grace_s, submission_limit, weight FROM assignment WHERE slug ="
+    " 'rigid-body'"
+)
 
 
 @pytest.fixture
@@ -28,10 +31,18 @@ def assign(database_url, monkeypatch):
 
 
 def test_options_that_are_not_given_stay_unchanged(assign):
-    assert assign("--due", "2026-12-01T12:00+01:00", "--grace", "60")[1] == ["2026-12-01T11:00:00", 60.0, None, 1.0]
+    assert assign("--due", "2026-12-01T12:00+01:00", "--grace", "60")[1] == [
+        "2026-12-01T11:00:00",
+        60.0,
+        None,
+        1.0,
+    ]
     line, rules = assign("--most", "3")
     assert rules == ["2026-12-01T11:00:00", 60.0, 3, 1.0]
-    assert line == "rigid-body: due 2026-12-01T11:00:00+00:00, grace period 60 s, 3 submissions per student, weight 1\n"
+    assert (
+        line == "rigid-body: due 2026-12-01T11:00:00+00:00, grace period 60 s, 3 submissions per student,"
+        " weight 1\n"
+    )
     assert assign("--due", "2026-12-02T00:00Z")[1] == ["2026-12-02T00:00:00", 60.0, 3, 1.0]
     assert assign() == (line.replace("2026-12-01T11", "2026-12-02T00"), ["2026-12-02T00:00:00", 60.0, 3, 1.0])
 
@@ -42,8 +53,12 @@ def test_each_rule_can_be_removed(assign, database_url):
     assert assign("--most", "none")[1] == [None, 60.0, None, 1.0]
     line, rules = assign("--grace", "0", "--weight", "2.5")
     assert rules == [None, 0.0, None, 2.5]
-    assert line == "rigid-body: no deadline, grace period 0 s, unlimited submissions per student, weight 2.5\n"
+    assert (
+        line == "rigid-body: no deadline, grace period 0 s, unlimited submissions per student, weight 2.5\n"
+    )
     assign()
-    recorded = [row[0] for row in sql(database_url, "SELECT detail FROM audit WHERE action = 'rules' ORDER BY id")]
+    recorded = [
+        row[0] for row in sql(database_url, "SELECT detail FROM audit WHERE action = 'rules' ORDER BY id")
+    ]
     assert len(recorded) == 4, "showing the rules is no change"
     assert recorded[1] == {"due_at": "None", "grace_s": "60.0", "submission_limit": "3", "weight": "1.0"}

@@ -33,7 +33,9 @@ TITLE = 'The "driven" pendulum: it\'s \\ {{SERVER}} <i>ω</i> \\u0041 $x_1$'
 
 @pytest.fixture
 def course(tmp_path):
-    """A folder with an assignment made by the command, which this process knows; ruff takes it for the repository's."""
+    """A folder with an assignment made by the command, which this process knows; ruff takes it for the
+    repository's.
+    """
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     with known(tmp_path / "exercises"):
         made = command_line.polhode("new-assignment", "driven-pendulum", "--title", TITLE)
@@ -44,7 +46,10 @@ def course(tmp_path):
         yield tmp_path / "exercises"
 
 
-LISTED = f"driven-pendulum  {TITLE}  (version 1)\n  1  The period of a pendulum: period\n  2  The damped oscillator: displacement\n"
+LISTED = (
+    f"driven-pendulum  {TITLE}  (version 1)\n  1  The period of a pendulum: period\n  2  The damped"
+    " oscillator: displacement\n"
+)
 VERIFIED = "driven-pendulum: 24 of 24 samples as expected on 4 seeds, 4 checks\n"
 
 
@@ -61,7 +66,10 @@ def test_it_is_verified_listed_and_graded(course, polhode, tmp_path):
     assert LISTED in polhode("assignments").stdout
     for name, source in zip(("right.py", "wrong.py"), submissions(course), strict=True):
         (tmp_path / name).write_text(source)
-    right, wrong = (polhode("grade", tmp_path / name, "--assignment", "driven-pendulum") for name in ("right.py", "wrong.py"))
+    right, wrong = (
+        polhode("grade", tmp_path / name, "--assignment", "driven-pendulum")
+        for name in ("right.py", "wrong.py")
+    )
     assert (right.returncode, wrong.returncode) == (0, 1)
     assert "4 of 4 points" in right.stdout and "missing-term" in wrong.stdout
 
@@ -71,7 +79,10 @@ def test_it_is_one_file_of_at_most_70_lines_and_its_right_solutions_pass(course,
     assert file.name == "assignment.py" and len(file.read_text().splitlines()) <= 70
     right, wrong = submissions(course)
     with known(course) as found:
-        reports = [grade(Submission(source), found.valid["driven-pendulum"], sandbox, 1).report for source in (right, wrong)]
+        reports = [
+            grade(Submission(source), found.valid["driven-pendulum"], sandbox, 1).report
+            for source in (right, wrong)
+        ]
     assert reports[0].passed, reports[0].text()
     assert {d.code for o in reports[1].outcomes() for d in o.diagnosis} == {"missing-term"}
 
@@ -102,14 +113,22 @@ def tree(tmp_path_factory):
         shutil.copy(ROOT / name, tree)
     made = inside(tree, "-m", "service.cli", "new-assignment", "driven-pendulum", "--title", TITLE)
     assert made.returncode == 0, made.stderr
-    assert made.stdout == f"created {tree}/exercises/driven_pendulum\nnext: polhode verify {tree}/exercises/driven_pendulum\n"
+    assert (
+        made.stdout == f"created {tree}/exercises/driven_pendulum\nnext: polhode verify"
+        f" {tree}/exercises/driven_pendulum\n"
+    )
     return tree
 
 
 def inside(tree, *arguments):
     environment = os.environ | {"PYTHONPATH": f"{tree}{os.pathsep}{tree / 'exercises' / 'kit'}"}
     return subprocess.run(
-        [sys.executable, *map(str, arguments)], cwd=tree, env=environment, capture_output=True, text=True, check=False
+        [sys.executable, *map(str, arguments)],
+        cwd=tree,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
 
 
@@ -131,7 +150,11 @@ def test_it_passes_the_repositorys_lint_and_tests(tree):
         assert told.returncode == 0, told.stdout
     contracts = "from importlinter.cli import lint_imports_command; lint_imports_command()"
     assert inside(tree, "-c", contracts).returncode == 0
-    files = ("tests/exercises/test_assignment.py", "tests/exercises/rigid_body/test_notebook.py", "tests/project/test_docs.py")
+    files = (
+        "tests/exercises/test_assignment.py",
+        "tests/exercises/rigid_body/test_notebook.py",
+        "tests/project/test_docs.py",
+    )
     tested = inside(tree, "-m", "pytest", "-p", "no:cacheprovider", *files)
     assert tested.returncode == 0, tested.stdout
 
@@ -168,7 +191,14 @@ def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_
     file = kits_home / "wrong.py"
     file.write_text(f"import numpy as np\n{submissions(course)[1]}")
     command = [sys.executable, "-P", "-c", KERNEL, str(file)]
-    here = subprocess.run(command, cwd=kits_home, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": ""})
+    here = subprocess.run(
+        command,
+        cwd=kits_home,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": ""},
+    )
     assert here.returncode == 0, here.stderr
     served = polhode("grade", file, "--assignment", "driven-pendulum").stdout.splitlines()
     lines = [line for line in here.stdout.splitlines() if line[:1] in "✓✗"]
@@ -186,8 +216,18 @@ def course_with_a_broken_one(tmp_path):
 
 
 def test_it_has_pages_and_a_broken_one_costs_only_itself(course_with_a_broken_one, database_url):
-    addresses = ("/v1/assignments", "/v1/assignments/driven-pendulum", "/readyz", "/", "/assignments/driven-pendulum")
-    refused = ("/v1/assignments/broken-one", "/assignments/broken-one", "/v1/assignments/broken-one/notebook.ipynb")
+    addresses = (
+        "/v1/assignments",
+        "/v1/assignments/driven-pendulum",
+        "/readyz",
+        "/",
+        "/assignments/driven-pendulum",
+    )
+    refused = (
+        "/v1/assignments/broken-one",
+        "/assignments/broken-one",
+        "/v1/assignments/broken-one/notebook.ipynb",
+    )
     with known(course_with_a_broken_one):
         everything, one, ready, *pages, api, page, notebook = visit(database_url, *addresses, *refused)
     slugs = {assignment["slug"] for assignment in everything.json()}
@@ -195,13 +235,19 @@ def test_it_has_pages_and_a_broken_one_costs_only_itself(course_with_a_broken_on
     assert one.json()["title"] == TITLE and [c["id"] for c in one.json()["exercises"][0]["checks"]] == CHECKS
     assert ready.json()["checks"]["assignments"] == "broken: broken-one"
     assert all(p.status_code == 200 and "<i>ω" not in p.text and "&lt;i&gt;ω" in p.text for p in pages)
-    assert {p.status_code for p in (api, page, notebook)} == {503} and api.json()["type"].endswith(":assignment-broken")
+    assert {p.status_code for p in (api, page, notebook)} == {503} and api.json()["type"].endswith(
+        ":assignment-broken"
+    )
 
 
 @pytest.mark.slow
-def test_a_server_serves_it_and_a_broken_one_costs_only_itself(tmp_path, course_with_a_broken_one, new_server, database_url):
+def test_a_server_serves_it_and_a_broken_one_costs_only_itself(
+    tmp_path, course_with_a_broken_one, new_server, database_url
+):
     course = str(course_with_a_broken_one)
-    server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1", POLHODE_ASSIGNMENTS=course)
+    server = new_server(
+        tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1", POLHODE_ASSIGNMENTS=course
+    )
     browser = Browser(server)
 
     def told(path):
@@ -218,12 +264,21 @@ def test_a_server_serves_it_and_a_broken_one_costs_only_itself(tmp_path, course_
 
     sent = submit(server, "driven-pendulum", submissions(course_with_a_broken_one)[1])
     assert sent["report"]["score"] == 0
-    for page in (f"/submissions/{sent['id']}", "/", "/assignments/driven-pendulum", "/assignments/driven-pendulum/class"):
+    for page in (
+        f"/submissions/{sent['id']}",
+        "/",
+        "/assignments/driven-pendulum",
+        "/assignments/driven-pendulum/class",
+    ):
         status, text = browser.open(page)
         assert status == 200 and "<i>ω" not in text and "Traceback" not in text
     assert "sweep.svg" not in browser.open(f"/submissions/{sent['id']}")[1]  # it has none
 
-    for path in ("/v1/assignments/broken-one", "/assignments/broken-one", "/v1/assignments/broken-one/notebook.ipynb"):
+    for path in (
+        "/v1/assignments/broken-one",
+        "/assignments/broken-one",
+        "/v1/assignments/broken-one/notebook.ipynb",
+    ):
         assert browser.open(path)[0] == 503
     with pytest.raises(urllib.error.HTTPError) as caught:
         submit(server, "broken-one", "def oscillator(): ...")
@@ -248,13 +303,20 @@ def test_the_templates_codes_are_documented():
 def test_the_commands_of_the_guide_for_authors_are_there():
     guide = (ROOT / "docs" / "authors.md").read_text()
     blocks = re.findall(r"```sh\n(.*?)```", guide, re.DOTALL)
-    commands = [shlex.split(line, comments=True) for block in blocks for line in block.splitlines() if line.startswith("polhode")]
+    commands = [
+        shlex.split(line, comments=True)
+        for block in blocks
+        for line in block.splitlines()
+        if line.startswith("polhode")
+    ]
     assert len(commands) >= 8
     for command in commands:
         assert _parse(command[1:]).run
 
 
-@pytest.mark.parametrize("title", [TITLE, "'", '"', "\\", "\\N{BULLET}", "{0} %s {{KIT_URL}}", "# ``` </script> é 漢 𝄞", "x" * 100])
+@pytest.mark.parametrize(
+    "title", [TITLE, "'", '"', "\\", "\\N{BULLET}", "{0} %s {{KIT_URL}}", "# ``` </script> é 漢 𝄞", "x" * 100]
+)
 def test_any_title_stands_as_it_is(tmp_path, title):
     folder = scaffold("driven-pendulum", title, tmp_path)
     with known(folder) as found:
@@ -293,7 +355,11 @@ def test_what_is_no_slug_or_is_taken_makes_nothing(tmp_path, capsys, slug):
 
 
 def test_nothing_is_overwritten(tmp_path):
-    for make in (lambda path: path.mkdir(), lambda path: path.symlink_to("nowhere"), lambda path: path.with_suffix(".py").touch()):
+    for make in (
+        lambda path: path.mkdir(),
+        lambda path: path.symlink_to("nowhere"),
+        lambda path: path.with_suffix(".py").touch(),
+    ):
         into = tmp_path / str(len(list(tmp_path.iterdir())))
         into.mkdir()
         make(into / "mine")
@@ -313,12 +379,18 @@ def test_a_failure_midway_leaves_nothing(tmp_path):
     """Here a disk on which no file of 1000 bytes has room."""
     with largest_file(1000):
         told = command_line.polhode("new-assignment", "mine", "--into", tmp_path)
-    assert told.returncode == 2 and told.stderr.endswith("nothing was created\n") and not list(tmp_path.iterdir())
+    assert (
+        told.returncode == 2
+        and told.stderr.endswith("nothing was created\n")
+        and not list(tmp_path.iterdir())
+    )
 
 
 def test_where_the_others_lie_is_where_it_goes(tmp_path, capsys):
     with known(tmp_path):
         assert main(["new-assignment", "mine"]) == 0
-        assert (tmp_path / "mine" / "assignment.py").is_file() and "POLHODE_ASSIGNMENTS" not in capsys.readouterr().out
+        assert (
+            tmp_path / "mine" / "assignment.py"
+        ).is_file() and "POLHODE_ASSIGNMENTS" not in capsys.readouterr().out
     assert main(["new-assignment", "mine", "--into", str(tmp_path / "other")]) == 0
     assert f"export POLHODE_ASSIGNMENTS={tmp_path / 'other'}\n" in capsys.readouterr().out

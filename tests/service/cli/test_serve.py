@@ -27,4 +27,7 @@ def test_a_reason_why_nothing_is_graded_is_printed(database_url, new_server, tmp
     sql(database_url, "INSERT INTO worker (name, unavailable_reason) VALUES ('a', 'no Landlock')")
     no_workers = {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "0"}
     server = new_server(tmp_path / "data", path="/livez", **no_workers)
-    assert printed(server) == [f"polhode: listening on {server.url}", "polhode: submissions are not accepted: no Landlock"]
+    assert printed(server) == [
+        f"polhode: listening on {server.url}",
+        "polhode: submissions are not accepted: no Landlock",
+    ]

@@ -51,8 +51,14 @@ def test_every_difference_is_told_with_its_line_and_cause(folder, capsys):
         '["right_terms.py"]\nexercises = ["1"]',
         '["right_terms.py"]\nexercises = ["1"]\nfail = ["1-rates"]\ncodes = ["units"]',
     )
-    change(expected, 'fail = ["1-motion", "1-rates"]\ncodes = ["constant-factor"]', 'left_out = ["1-rates"]\nfail = ["1-energy"]')
-    assert verify(folder / "samples", "--only", "right_*", "--only", "wrong_half_damping.py", "--seed", "5") == 1
+    change(
+        expected,
+        'fail = ["1-motion", "1-rates"]\ncodes = ["constant-factor"]',
+        'left_out = ["1-rates"]\nfail = ["1-energy"]',
+    )
+    assert (
+        verify(folder / "samples", "--only", "right_*", "--only", "wrong_half_damping.py", "--seed", "5") == 1
+    )
     told = capsys.readouterr().out
     assert re.sub(r"4\.204\d+e-10", "4.204e-10", told) == GOLDEN, told  # the last digits are the processor's
 
@@ -87,27 +93,52 @@ def test_files_without_entry_and_entries_without_file(folder, capsys):
     (folder / "samples" / "wrong_text.py").write_bytes(b"\xff")
     assert verify(folder, "--only", "wrong_[nt]e[wx]*") == 1
     told = capsys.readouterr().out
-    assert '--write would add\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion", "1-rates"]' in told
-    assert "wrong_text.py\n     cannot be graded: wrong_text.py is not a text file (UTF-8): save it as UTF-8" in told
+    assert (
+        '--write would add\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion",'
+        ' "1-rates"]' in told
+    )
+    assert (
+        "wrong_text.py\n     cannot be graded: wrong_text.py is not a text file (UTF-8): save it as UTF-8"
+        in told
+    )
     assert told.endswith("right_matrix.py: listed in expected.toml, but the file does not exist\n")
 
 
 @pytest.mark.slow
 def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
-    """A name that does not tell its report gets no entry: a right_ that is wrong must not become what is expected."""
+    """A name that does not tell its report gets no entry: a right_ that is wrong must not become what is
+    expected.
+    """
     expected = folder / "samples" / "expected.toml"
-    before = '# mine\n["wrong_half_damping.py"]\ndemo = true\nexercises = ["1"]  # kept\nfail = ["1-motion", "1-rates"]\n'
+    before = (
+        '# mine\n["wrong_half_damping.py"]\ndemo = true\nexercises = ["1"]  # kept\nfail = ["1-motion",'
+        ' "1-rates"]\n'
+    )
     before += 'codes = ["constant-factor"]'
     expected.write_text(before)
     (folder / "samples" / 'wrong_"ω".py').write_text(HALF)
     (folder / "samples" / "right_not.py").write_text(HALF)
     (folder / "samples" / "wrong_not.py").write_text(RIGHT)
-    options = ["--write", "--only", "wrong_half_damping.py", "--only", "*ω*", "--only", "*_not.py", "--only", "right_terms.py"]
+    options = [
+        "--write",
+        "--only",
+        "wrong_half_damping.py",
+        "--only",
+        "*ω*",
+        "--only",
+        "*_not.py",
+        "--only",
+        "right_terms.py",
+    ]
     assert verify(folder, *options) == 1
     told = capsys.readouterr().out
     assert expected.read_text().startswith(before + "\n")
     assert list(entries(folder)) == ["wrong_half_damping.py", "right_terms.py", 'wrong_"ω".py']
-    assert entries(folder)['wrong_"ω".py'] == {"exercises": ["1"], "fail": ["1-motion", "1-rates"], "codes": ["constant-factor"]}
+    assert entries(folder)['wrong_"ω".py'] == {
+        "exercises": ["1"],
+        "fail": ["1-motion", "1-rates"],
+        "codes": ["constant-factor"],
+    }
     assert told.count("(entry written)") == 2 and told.count("and none was added") == 2
     assert verify(folder, *options[1:5], "--only", "right_terms.py") == 0
 
@@ -126,13 +157,17 @@ def test_what_no_sample_shows_is_a_warning(folder, capsys):
         if name not in ("wrong_half_damping.py", "wrong_zeros.py"):
             (folder / "samples" / name).unlink()
     expected = folder / "samples" / "expected.toml"
-    expected.write_text("\n\n".join(e for e in expected.read_text().split("\n\n") if "half" in e or "zeros" in e))
+    expected.write_text(
+        "\n\n".join(e for e in expected.read_text().split("\n\n") if "half" in e or "zeros" in e)
+    )
     assert verify(folder) == 0
     assert capsys.readouterr().out.splitlines()[-4:] == [
         "damped-oscillator: 2 of 2 samples as expected, 3 checks",
         "warning: no sample fails 1-energy",
-        "warning: no sample shows the diagnosis codes component-order, sign-flipped, missing-term, wrong-quantity, not-finite, "
-        "returns-nothing, wrong-shape, signature",
+        (
+            "warning: no sample shows the diagnosis codes component-order, sign-flipped, missing-term,"
+            " wrong-quantity, not-finite, returns-nothing, wrong-shape, signature"
+        ),
         "warning: no sample is all ✓",
     ]
 
@@ -151,7 +186,11 @@ def test_a_right_sample_that_needs_much_time_is_a_warning(folder, capsys, monkey
 
 def test_every_error_of_the_expectations_is_told_and_nothing_is_graded(folder, capsys):
     expected = folder / "samples" / "expected.toml"
-    change(expected, 'unmeasured = ["1-energy", "1-motion", "1-rates"]\ncodes = ["timeout"]', 'unmesured = ["1-energy"]')
+    change(
+        expected,
+        'unmeasured = ["1-energy", "1-motion", "1-rates"]\ncodes = ["timeout"]',
+        'unmesured = ["1-energy"]',
+    )
     change(expected, '["right_matrix.py"]\nexercises = ["1"]', '["right_matrix.py"]\nask = ["9"]')
     change(
         expected,
@@ -193,7 +232,10 @@ def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, cap
     second = copied(folder.parent, "second")
     assert verify(folder, str(second), "--only", "right_terms.py") == 2
     told = capsys.readouterr().out
-    place = "assignment damped-oscillator has an error: truth.py line 21: AttributeError: module 'numpy' has no attribute 'sqroot'"
+    place = (
+        "assignment damped-oscillator has an error: truth.py line 21: AttributeError: module 'numpy' has no"
+        " attribute 'sqroot'"
+    )
     assert f"right_terms.py   not graded (system fault): {place}" in told
     assert "second: 1 of 1 samples as expected" in told
 
@@ -221,8 +263,23 @@ def test_a_public_side_that_students_cannot_play(folder, capsys):
 def test_an_export_of_a_broken_assignment_tells_what_is_wrong_with_it(folder, capsys, tmp_path):
     (folder / "plays.py").write_text("(")
     with known(folder):
-        assert main(["export", "gradescope", "--assignment", "damped_oscillator", "--out", str(tmp_path / "x.zip")]) == 2
-    assert "plays.py line 1: '(' was never closed" in capsys.readouterr().err and not (tmp_path / "x.zip").exists()
+        assert (
+            main(
+                [
+                    "export",
+                    "gradescope",
+                    "--assignment",
+                    "damped_oscillator",
+                    "--out",
+                    str(tmp_path / "x.zip"),
+                ]
+            )
+            == 2
+        )
+    assert (
+        "plays.py line 1: '(' was never closed" in capsys.readouterr().err
+        and not (tmp_path / "x.zip").exists()
+    )
 
 
 @pytest.mark.slow

@@ -1,4 +1,6 @@
-"""polhode verify of a declaration: what it prints about samples, the author's notebook, mistakes and checks."""
+"""polhode verify of a declaration: what it prints about samples, the author's notebook,
+mistakes and checks.
+"""
 
 import pytest
 
@@ -60,23 +62,34 @@ def test_mistakes_that_the_checks_cannot_tell_apart(tmp_path, capsys, warm_guest
     exit_code, lines = verify(folder, capsys)
     assert exit_code == 1 and lines[:2] == ["✓  right_all.py", "✓  wrong_1_1_sign_flipped.py"]
     one, other, same = (
-        lines.index(f"✗  wrong_1_{name}.py") for name in ("2_component_order", "3_wrong_function", "4_wrong_function")
+        lines.index(f"✗  wrong_1_{name}.py")
+        for name in ("2_component_order", "3_wrong_function", "4_wrong_function")
     )
     assert lines[one + 1] == "     seed 1: the diagnosis is none, not component-order"
     for line, equal in ((other - 1, "3_wrong_function"), (same - 1, "2_component_order")):
-        assert lines[line] == (
-            f"     the checks do not distinguish it from wrong_1_{equal}.py (they compare value up to column signs): "
-            "give both mistakes the same code and sentence"
+        assert (
+            lines[line]
+            == f"     the checks do not distinguish it from wrong_1_{equal}.py (they compare value up to"
+            " column signs): give both mistakes the same code and sentence"
         )
-    assert lines[same + 1] == (
-        "     seed 1: every check is ✓: the mistake changes nothing that the checks see (they compare value up to column signs)"
+    assert (
+        lines[same + 1]
+        == "     seed 1: every check is ✓: the mistake changes nothing that the checks see (they compare"
+        " value up to column signs)"
     )
 
 
-FULL = [*CELLS[:4], code(SPEED["source"] + "\ntimes = [1.0, 2.0]", "solution"), code("assert speed(times[0], 2.0) == 2.0"), HEIGHT]
+FULL = [
+    *CELLS[:4],
+    code(SPEED["source"] + "\ntimes = [1.0, 2.0]", "solution"),
+    code("assert speed(times[0], 2.0) == 2.0"),
+    HEIGHT,
+]
 
 
-def test_the_authors_notebook_is_graded_and_its_solution_cells_may_set_other_names(tmp_path, capsys, warm_guest, monkeypatch):
+def test_the_authors_notebook_is_graded_and_its_solution_cells_may_set_other_names(
+    tmp_path, capsys, warm_guest, monkeypatch
+):
     folder = write(tmp_path, FULL)
     monkeypatch.setattr(verify_made, "SLOW_S", 0.0)
     exit_code, lines = verify(folder, capsys)
@@ -86,8 +99,12 @@ def test_the_authors_notebook_is_graded_and_its_solution_cells_may_set_other_nam
         "✓  wrong_1_1_no_code.py",
         "falling: 6 of 6 samples as expected on 2 seeds, 4 checks",
     ]
-    (warning, slow) = lines[4:]
-    assert warning == ('warning: no sample fails 2-value and 2-new-value: declare a mistake of height that fails "height is right"')
+    warning, slow = lines[4:]
+    assert (
+        warning
+        == 'warning: no sample fails 2-value and 2-new-value: declare a mistake of height that fails "height'
+        ' is right"'
+    )
     assert slow.startswith("exercise 1 uses 0.") and slow.endswith(
         " s of CPU time: fewer rows, repetitions or steps make it faster"
     )
@@ -97,10 +114,16 @@ def test_the_authors_notebook_is_graded_and_its_solution_cells_may_set_other_nam
 def test_a_wrong_solution_of_the_authors_notebook_is_reported(tmp_path, capsys, warm_guest):
     wrong = code(HEIGHT["source"].replace("h - g", "h + g"))
     exit_code, lines = verify(write(tmp_path, [*CELLS[:6], wrong]), capsys, "--only", "*.ipynb")
-    assert exit_code == 1 and lines[:3] == ["✗  fall.ipynb", "     seed 1: 2-value is not ✓", "     seed 1: 2-new-value is not ✓"]
+    assert exit_code == 1 and lines[:3] == [
+        "✗  fall.ipynb",
+        "     seed 1: 2-value is not ✓",
+        "     seed 1: 2-new-value is not ✓",
+    ]
 
 
-@pytest.mark.parametrize("empty", ['def speed(t, g):\n    """Return it."""\n    ...', "speed = None", "def speed(t, g): pass"])
+@pytest.mark.parametrize(
+    "empty", ['def speed(t, g):\n    """Return it."""\n    ...', "speed = None", "def speed(t, g): pass"]
+)
 def test_the_authors_notebook_is_a_sample_of_the_exercises_that_it_solves(tmp_path, empty):
     with known(write(tmp_path, [*CELLS[:5], code(empty), HEIGHT])) as found:
         made = {sample.name: sample.ask for sample in found.valid["falling"].made_samples()}
@@ -119,7 +142,9 @@ def test_a_known_slug_takes_precedence_over_a_folder_of_that_name(tmp_path, caps
         selected, invalid = _select(["falling"])
         assert [assignment.folder for assignment in selected] == [folder] and not invalid
     with known():
-        assert _select(["falling"])[1] == ["no assignment found in falling: name a slug, or a folder that contains assignment.py"]
+        assert _select(["falling"])[1] == [
+            "no assignment found in falling: name a slug, or a folder that contains assignment.py"
+        ]
 
 
 @pytest.mark.slow

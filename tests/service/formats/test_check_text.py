@@ -26,5 +26,8 @@ def test_only_what_was_not_measured_has_a_traceback_and_it_is_bounded():
     long = SceneEnd("motion", Ended.RAISED, "E: x", "raises", "  x\n" * 5000 + TRACEBACK)
     unmeasured, failed = outcome("2-energy", "unmeasured", cause="E: x"), outcome("2-motion", "fail")
     told = report([unmeasured, failed], scene_ends=[long])
-    assert detail(unmeasured, told).endswith("ZeroDivisionError: division by zero") and len(detail(unmeasured, told)) < 2200
+    assert (
+        detail(unmeasured, told).endswith("ZeroDivisionError: division by zero")
+        and len(detail(unmeasured, told)) < 2200
+    )
     assert "Zero" not in detail(failed, told) and "Zero" not in detail(unmeasured, told, trace=False)

@@ -1,4 +1,6 @@
-"""Classroom 50's result.json by its schema and what its validators add, as result-v1.schema.json and runner.py have them."""
+"""Classroom 50's result.json by its schema and what its validators add, as result-v1.schema.json and
+runner.py have them.
+"""
 
 import dataclasses
 import json
@@ -53,8 +55,10 @@ class Result(Scored):
 
 ABOUT = SubmissionInfo(
     classroom="physics-26", assignment="rigid-body", assignment_type="individual", owner="ann",
-    submission="submit/2026-02-28T23-59-58Z-a1b2c3d", commit="https://git.example/c", release="https://git.example/r",
-    review="https://git.example/d", submitted_at=datetime(2026, 3, 1, 0, 59, 58, 999999, timezone(timedelta(hours=1))),
+    submission="submit/2026-02-28T23-59-58Z-a1b2c3d", commit="https://git.example/c",
+        release="https://git.example/r",
+    review="https://git.example/d", submitted_at=datetime(2026, 3, 1, 0, 59, 58, 999999,
+        timezone(timedelta(hours=1))),
     graded_at=datetime(2026, 3, 2, 8, tzinfo=UTC),
 )  # fmt: skip
 
@@ -77,14 +81,19 @@ def test_a_check_of_several_points_and_its_partial_credit_are_in_the_total(rigid
     file = graded_file(report([outcome("1-notebook", points=2), partly]))
     result = Result.model_validate_json(json.dumps(document(file, rigid_body, ABOUT)))
     assert (result.score, result.max_score) == (5, 6)
-    assert [(test.passed, test.score, test.max_score) for test in result.tests] == [(True, 2, 2), (False, 3, 4)]
+    assert [(test.passed, test.score, test.max_score) for test in result.tests] == [
+        (True, 2, 2),
+        (False, 3, 4),
+    ]
 
 
 def test_exercises_not_attempted_are_in_the_total(rigid_body):
     right = report([outcome("1-notebook"), outcome("1-box")], total=7, not_attempted=["2"])
     result = Result.model_validate_json(json.dumps(document(graded_file(right), rigid_body, ABOUT)))
     assert (result.score, result.max_score) == (2, 7)
-    assert [(t.test_name, t.passed, t.max_score) for t in result.tests[2:]] == [("exercise 2 was not attempted", False, 5)]
+    assert [(t.test_name, t.passed, t.max_score) for t in result.tests[2:]] == [
+        ("exercise 2 was not attempted", False, 5)
+    ]
 
 
 def test_a_regrade_moves_nothing_but_when_it_was_graded(rigid_body):
@@ -104,7 +113,9 @@ def test_no_checks_are_no_success(rigid_body):
     """Without tests, Classroom 50 says success."""
     for nothing in (report(), report([outcome("2-drawn", "unmeasured", counted=False)])):
         result = Result.model_validate_json(json.dumps(document(graded_file(nothing), rigid_body, ABOUT)))
-        assert (result.score, result.max_score) == (0, 0) and [test.passed for test in result.tests] == [False]
+        assert (result.score, result.max_score) == (0, 0) and [test.passed for test in result.tests] == [
+            False
+        ]
 
 
 def test_a_fault_is_no_verdict(rigid_body):
@@ -114,7 +125,14 @@ def test_a_fault_is_no_verdict(rigid_body):
 
 @pytest.mark.parametrize(
     "change",
-    [{"score": 4}, {"score": 1.0}, {"datetime": "2026-03-01 00:00:00"}, {"submission": "main"}, {"more": 1}, {"owner": ""}],
+    [
+        {"score": 4},
+        {"score": 1.0},
+        {"datetime": "2026-03-01 00:00:00"},
+        {"submission": "main"},
+        {"more": 1},
+        {"owner": ""},
+    ],
 )
 def test_the_rules_bite(rigid_body, change):
     told = document(graded_file(example()), rigid_body, ABOUT)

@@ -72,13 +72,20 @@ def test_the_corpus(text, name):
 def test_any_text_gives_one_part_of_a_path(text):
     name = safe_filename(text)
     assert PurePosixPath(name).parts == PureWindowsPath(name).parts == (name,) and name not in (".", "..")
-    assert len(name.encode()) <= MOST_BYTES + 1 and name.isprintable() and name == name.strip() and not name.startswith((".", "-"))
+    assert (
+        len(name.encode()) <= MOST_BYTES + 1
+        and name.isprintable()
+        and name == name.strip()
+        and not name.startswith((".", "-"))
+    )
     assert not PureWindowsPath(name).drive
 
 
 @given(
     st.lists(
-        st.sampled_from(["Ann", "ann", "a/b", "a_b", "a?b", "ANN-2", "ann-2", "ﬁ", "fi", "Å", "A\u030a", "x.py", "X.PY"]),
+        st.sampled_from(
+            ["Ann", "ann", "a/b", "a_b", "a?b", "ANN-2", "ann-2", "ﬁ", "fi", "Å", "A\u030a", "x.py", "X.PY"]
+        ),
         max_size=12,
     )
 )

@@ -18,7 +18,11 @@ TOKEN = "f3a9c1"
 
 def test_a_command_to_the_letter():
     one = Annotation("exercise 2: euler_eqs, 50%", "a: b, 100%\nc%0A", "we:ird,dir/a%3A.py", 7)
-    assert str(one) == "::error file=we%3Aird%2Cdir/a%253A.py,line=7,title=exercise 2%3A euler_eqs%2C 50%25::a: b, 100%25%0Ac%250A"
+    assert (
+        str(one)
+        == "::error file=we%3Aird%2Cdir/a%253A.py,line=7,title=exercise 2%3A euler_eqs%2C 50%25::a: b,"
+        " 100%25%0Ac%250A"
+    )
     assert str(Annotation("polhode", "x")) == "::error title=polhode::x"
 
 
@@ -35,16 +39,34 @@ def test_it_is_one_line_and_comes_back_whole(title, message, file, line):
 @with_example("  ::error::x")
 @with_example("✗  a ##[add-mask]x]   [b]")
 def test_what_is_unheard_starts_no_command_and_ends_where_it_ends(text):
-    assert commands(escape_commands(text, TOKEN) + "\n::error title=T::after") == [("error", {"title": "T"}, "after")]
+    assert commands(escape_commands(text, TOKEN) + "\n::error title=T::after") == [
+        ("error", {"title": "T"}, "after")
+    ]
 
 
 def test_without_it_text_would():
     """Else the tests above could not fail."""
-    assert [name for name, _, _ in commands("✗  a   [##[add-mask]x]\n   ::add-mask::y\n::stop-commands::z")] == ["add-mask"] * 2
+    assert [
+        name for name, _, _ in commands("✗  a   [##[add-mask]x]\n   ::add-mask::y\n::stop-commands::z")
+    ] == ["add-mask"] * 2
 
 
 SOURCE = "def euler_eqs(t, w, I):\n    return w\n\ndef principal_moments(tensor):\n    return 0\n"
-TAGS = ("<h", "<tr>", "<td>", "<p>", "<pre>", "<details>", "</details>", "<img", "<a ", "<ul>", "<!--", "<em>", "<strong>")
+TAGS = (
+    "<h",
+    "<tr>",
+    "<td>",
+    "<p>",
+    "<pre>",
+    "<details>",
+    "</details>",
+    "<img",
+    "<a ",
+    "<ul>",
+    "<!--",
+    "<em>",
+    "<strong>",
+)
 SLIP = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign", 1.0)
 
 
@@ -63,8 +85,9 @@ def test_checks_of_one_function_and_one_cause_are_one_annotation(rigid_body):
         {"file": "samples/ann.py", "line": "1", "title": "exercise 2: euler_eqs (3 checks)"},
         {"file": "samples/ann.py", "line": "4", "title": "exercise 1: principal_moments"},
     ]
-    assert told[0][1] == (
-        "✗  2-energy   [got 2 vs expected 1]\n     likely sign-flipped: ω̇₂ has the opposite sign\n"
+    assert (
+        told[0][1]
+        == "✗  2-energy   [got 2 vs expected 1]\n     likely sign-flipped: ω̇₂ has the opposite sign\n"
         "     allowed: the notebook's own tolerance\n\n"
         "also 2 more checks:\n✗  2-momentum   [got 2 vs expected 1]\n✗  2-motion   [got 2 vs expected 1]"
     )
@@ -76,7 +99,10 @@ def test_of_many_files_each_has_its_largest_first_and_the_rest_is_counted(rigid_
     assert len(told) == MOST
     assert [about["file"] for about, _ in told[:-1]] == [f"{name}.py" for name in "abcdefgha"]
     assert all("euler_eqs" in about["title"] for about, _ in told[:8])
-    assert told[-1] == ({"title": "polhode"}, "and 7 more: GitHub shows 10 per step, the report lists all of them")
+    assert told[-1] == (
+        {"title": "polhode"},
+        "and 7 more: GitHub shows 10 per step, the report lists all of them",
+    )
 
 
 def test_exactly_as_many_as_are_shown_are_told_all(rigid_body):
@@ -86,18 +112,31 @@ def test_exactly_as_many_as_are_shown_are_told_all(rigid_body):
 
 def test_a_file_that_was_not_graded_has_one_too(rigid_body):
     told = read(
-        [graded_file(None, refused="no text"), graded_file(None, "b.py", fault="disk full"), graded_file(report(), "c.py")],
+        [
+            graded_file(None, refused="no text"),
+            graded_file(None, "b.py", fault="disk full"),
+            graded_file(report(), "c.py"),
+        ],
         rigid_body,
     )
     assert [(about["title"], data.split("\n")[0]) for about, data in told] == [
         ("no submission", "no text"),
         ("system fault: not graded", "disk full"),
-        ("failed: at least one check was scored", "0 of 0 points of the attempted exercises (public checks: 0 of 0)"),
+        (
+            "failed: at least one check was scored",
+            "0 of 0 points of the attempted exercises (public checks: 0 of 0)",
+        ),
     ]
 
 
 def test_what_passed_or_does_not_count_is_not_told(rigid_body):
-    assert read([graded_file(report([outcome("2-energy"), outcome("5-moves", "unmeasured", counted=False)]))], rigid_body) == []
+    assert (
+        read(
+            [graded_file(report([outcome("2-energy"), outcome("5-moves", "unmeasured", counted=False)]))],
+            rigid_body,
+        )
+        == []
+    )
 
 
 def rendered(files, rigid_body, **more):
@@ -123,7 +162,10 @@ def test_a_summary(rigid_body):
         cells[0] = f"<code>{cells[0]}</code>"
         assert "".join(f"<td>{cell}</td>\n" for cell in cells) in page
     assert "<li><strong>Angular velocity</strong>: ω over time</li>" in page
-    assert "✗  euler_eqs agrees with Euler's equations   [got 2 vs expected 1]\n     worst at ω̇₂ at question 3" in page
+    assert (
+        "✗  euler_eqs agrees with Euler's equations   [got 2 vs expected 1]\n     worst at ω̇₂ at question 3"
+        in page
+    )
     assert page.index("disk full") < page.index("✓  2-energy")  # what needs somebody comes first
 
 

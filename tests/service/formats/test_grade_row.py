@@ -12,15 +12,27 @@ from tests.support.reports import example, graded_file, outcome, report
 def test_a_graded_file(rigid_body):
     told = row(graded_file(example()), rigid_body)
     assert (told.student, told.status, told.points, told.score, told.counted) == ("ann", "graded", 1, 1, 3)
-    assert (told.max_points, told.title, told.grader) == (36, rigid_body.title, "polhode 0.1.0, assignment version 1")
-    assert told.checks == {"1-notebook": "pass", "2-pointwise": "fail", "2-energy": "error", "2-drawn": "unmeasured"}
+    assert (told.max_points, told.title, told.grader) == (
+        36,
+        rigid_body.title,
+        "polhode 0.1.0, assignment version 1",
+    )
+    assert told.checks == {
+        "1-notebook": "pass",
+        "2-pointwise": "fail",
+        "2-energy": "error",
+        "2-drawn": "unmeasured",
+    }
 
 
 def test_canvas_gets_the_points_of_checks_worth_several_and_their_partial_credit(rigid_body):
     partly = outcome("1-box", "fail", points=4, partial=RowsRight(12, 16))
     graded = row(graded_file(report([outcome("1-notebook", points=2), partly])), rigid_body)
     assert (graded.score, graded.counted, graded.worth["1-box"], graded.earned["1-box"]) == (5, 6, 4, 3)
-    assert gradebooks.canvas_csv([graded], "T", 6).splitlines()[1:] == ["Points Possible,,,,,6", "ann,,,ann,,5"]
+    assert gradebooks.canvas_csv([graded], "T", 6).splitlines()[1:] == [
+        "Points Possible,,,,,6",
+        "ann,,,ann,,5",
+    ]
 
 
 def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_body):
@@ -35,9 +47,14 @@ def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_bo
 
 
 def test_files_of_one_name_are_no_one_student(rigid_body):
-    files = [graded_file(report([outcome("2-energy")]), name) for name in ("ann/mine.py", "ben/mine.ipynb", "cho.py")]
+    files = [
+        graded_file(report([outcome("2-energy")]), name)
+        for name in ("ann/mine.py", "ben/mine.ipynb", "cho.py")
+    ]
     assert [one.student for one in rows(files, rigid_body)] == ["ann/mine", "ben/mine", "cho"]
 
 
 def test_a_file_named_like_a_formula_is_none(rigid_body):
-    assert "\n'=1+1," in grades.assignment_csv(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")
+    assert "\n'=1+1," in grades.assignment_csv(
+        rows([graded_file(example(), "=1+1.py")], rigid_body), []
+    ).replace("\r", "")

@@ -19,17 +19,25 @@ ROSTER = {
 
 
 def imported_by_canvas(text):
-    """Points possible by assignment, and each line's student (None: Canvas asks who it is) with the new score."""
+    """Points possible by assignment, and each line's student (None: Canvas asks who it is) with the new
+    score.
+    """
     header, *lines = csv.reader(io.StringIO(text, newline=""))
     assert "Student" in header[0] and "ID" in header[1]
-    assert re.search(r"SIS\s+User\s+ID", header[2]) and re.search(r"SIS\s+Login\s+ID", header[3]) and "Section" in header[4]
+    assert (
+        re.search(r"SIS\s+User\s+ID", header[2])
+        and re.search(r"SIS\s+Login\s+ID", header[3])
+        and "Section" in header[4]
+    )
     possible, scores = {}, []
     for line in lines:
         assert len(line) == len(header)
         if "Points Possible" in line[0]:
             possible |= dict(zip(header[5:], line[5:], strict=True))
             continue
-        found = ROSTER["by_sis"].get(line[2]) or ROSTER["by_login"].get(line[3]) or ROSTER["by_name"].get(line[0])
+        found = (
+            ROSTER["by_sis"].get(line[2]) or ROSTER["by_login"].get(line[3]) or ROSTER["by_name"].get(line[0])
+        )
         assert re.fullmatch(r"-?[0-9.,]+%?", line[5])  # empty would take away the score that is there
         scores.append((found, float(line[5])))
     return possible, scores
@@ -40,12 +48,23 @@ def test_the_golden_file_of_canvas():
 
 
 def test_canvas_finds_whoever_has_points_and_nobody_else_has_a_row():
-    assert imported_by_canvas(gradebooks.canvas_csv(CLASS, TITLE, 2)) == ({TITLE: "2"}, [("Ada", 2.0), ("Ben", 1.0), ("Cho", 1.0)])
+    assert imported_by_canvas(gradebooks.canvas_csv(CLASS, TITLE, 2)) == (
+        {TITLE: "2"},
+        [("Ada", 2.0), ("Ben", 1.0), ("Cho", 1.0)],
+    )
 
 
 def test_a_user_name_that_looks_like_a_formula_is_found_by_another_column():
-    told = [row("-ann", 2, full_name="Ann Lee"), row("-ann", 2, full_name="A. Lee"), row("-ann", 2, student_id="00815")]
-    assert [who for who, _ in imported_by_canvas(gradebooks.canvas_csv(told, TITLE, 2))[1]] == ["Ann", None, "Ada"]
+    told = [
+        row("-ann", 2, full_name="Ann Lee"),
+        row("-ann", 2, full_name="A. Lee"),
+        row("-ann", 2, student_id="00815"),
+    ]
+    assert [who for who, _ in imported_by_canvas(gradebooks.canvas_csv(told, TITLE, 2))[1]] == [
+        "Ann",
+        None,
+        "Ada",
+    ]
 
 
 def test_nobody_is_taken_for_the_row_of_points():
@@ -55,7 +74,9 @@ def test_nobody_is_taken_for_the_row_of_points():
     assert possible == {TITLE: "2"} and len(scores) == 2
 
 
-@pytest.mark.parametrize("title", ["Lab (12)", "Final Score", "Unposted Current Grade", "Section", "Override Score (Fall)", "=1"])
+@pytest.mark.parametrize(
+    "title", ["Lab (12)", "Final Score", "Unposted Current Grade", "Section", "Override Score (Fall)", "=1"]
+)
 def test_a_title_is_taken_for_a_new_assignment(title):
     shown = next(csv.reader(io.StringIO(gradebooks.canvas_csv([], title, 2), newline="")))[5]
     assert (
@@ -95,7 +116,11 @@ def test_the_golden_file_of_moodle():
 
 
 def test_whoever_has_points_gets_them():
-    assert imported_by_moodle(gradebooks.moodle_csv(CLASS, TITLE), "Username") == [("ada", 2.0), ("ben", 1.0), ("cho", 1.0)]
+    assert imported_by_moodle(gradebooks.moodle_csv(CLASS, TITLE), "Username") == [
+        ("ada", 2.0),
+        ("ben", 1.0),
+        ("cho", 1.0),
+    ]
 
 
 @pytest.mark.parametrize("email", ["", " ", "0", "\x01"])
@@ -126,7 +151,9 @@ def test_the_rules_of_nbgrader():
     assert len(lines) == len(CLASS)
     for line in lines:
         if line["score"]:
-            assert float(line["score"]) == max(0.0, float(line["raw_score"]) - float(line["late_submission_penalty"]))
+            assert float(line["score"]) == max(
+                0.0, float(line["raw_score"]) - float(line["late_submission_penalty"])
+            )
         for name in ("duedate", "timestamp"):
             assert line[name] == "" or datetime.fromisoformat(line[name]).tzinfo is None
     by_student = {line["student_id"]: line for line in lines}

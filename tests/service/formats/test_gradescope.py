@@ -1,4 +1,6 @@
-"""Gradescope's results.json by its specification, written down from gradescope/autograder_samples, docs/specs.md."""
+"""Gradescope's results.json by its specification, written down from gradescope/autograder_samples,
+docs/specs.md.
+"""
 
 import base64
 import html.parser
@@ -49,23 +51,36 @@ class Results(BaseModel):
 
 
 def told(rigid_body, file, **more):
-    return Results.model_validate_json(json.dumps(document(file, rigid_body, **more), allow_nan=False), strict=True)
+    return Results.model_validate_json(
+        json.dumps(document(file, rigid_body, **more), allow_nan=False), strict=True
+    )
 
 
 def test_a_report(rigid_body):
     results = told(rigid_body, graded_file(example(), seconds=1.23456))
-    assert (results.score, results.execution_time, results.output) == (1, 1.235, "1 of 3 points (public checks: 1 of 2)")
+    assert (results.score, results.execution_time, results.output) == (
+        1,
+        1.235,
+        "1 of 3 points (public checks: 1 of 2)",
+    )
     assert [(t.number, t.name, t.score, t.max_score, t.status, t.visibility) for t in results.tests] == [
         ("1.1", "principal moments match the analytic box result", 1, 1, "passed", "visible"),
         ("2.1", "euler_eqs agrees with Euler's equations", 0, 1, "failed", "visible"),
         ("2.2", "rotational energy conserved (torque-free)", 0, 1, "failed", "visible"),
         ("2.3", "what is drawn moves", None, None, None, "visible"),
     ]
-    tags = [["exercise 1"], ["exercise 2", "hidden", "sign-flipped"], ["exercise 2", "raises"], ["exercise 2", "not counted"]]
+    tags = [
+        ["exercise 1"],
+        ["exercise 2", "hidden", "sign-flipped"],
+        ["exercise 2", "raises"],
+        ["exercise 2", "not counted"],
+    ]
     assert [test.tags for test in results.tests] == tags
     line = "✗  euler_eqs agrees with Euler's equations   [got 2 vs expected 1]"
     assert results.tests[1].output.startswith(f"{line}\n     worst at ω̇₂ at question 3\n")
-    assert {t.output_format for t in results.tests} == {results.output_format} == {"text"}  # nothing of a student's is rendered
+    assert (
+        {t.output_format for t in results.tests} == {results.output_format} == {"text"}
+    )  # nothing of a student's is rendered
 
 
 @pytest.mark.parametrize("hidden", VISIBILITIES)
@@ -109,7 +124,9 @@ def test_exercises_not_attempted_are_in_the_total(rigid_body):
 def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):
     results = told(rigid_body, graded_file(None, refused="mine.py contains no code\x00"))
     assert results.score == 0 and results.output == "mine.py contains no code\ufffd"
-    assert [(test.status, test.score, test.max_score) for test in results.tests] == [("failed", 0, rigid_body.max_points())]
+    assert [(test.status, test.score, test.max_score) for test in results.tests] == [
+        ("failed", 0, rigid_body.max_points())
+    ]
 
 
 def test_no_checks_are_no_success(rigid_body):
@@ -131,7 +148,9 @@ class Images(html.parser.HTMLParser):
     def handle_starttag(self, tag, attrs):
         self.tags.add(tag)
         if tag == "img":
-            self.shown[dict(attrs)["alt"]] = base64.b64decode(dict(attrs)["src"].removeprefix("data:image/png;base64,"))
+            self.shown[dict(attrs)["alt"]] = base64.b64decode(
+                dict(attrs)["src"].removeprefix("data:image/png;base64,")
+            )
 
     def handle_data(self, data):
         self.told += data
@@ -146,7 +165,10 @@ def figures(rigid_body, pictures, **drawn):
 
 
 def test_pictures_are_in_the_document_with_what_they_show(rigid_body):
-    pictures = [Picture("omega", "2", 'ω "and" <b>', "ω₁ & ω₂"), Picture("cone", "2", "the cone", "not drawn")]
+    pictures = [
+        Picture("omega", "2", 'ω "and" <b>', "ω₁ & ω₂"),
+        Picture("cone", "2", "the cone", "not drawn"),
+    ]
     test, page = figures(rigid_body, pictures, **{"omega.png": PNG, "omega.svg": b"<svg/>"})
     assert (test.name, test.output_format, test.score, test.status) == ("Figures", "html", None, None)
     assert page.tags == {"figure", "img", "figcaption", "p"} and page.shown == {"ω₁ & ω₂": PNG}
@@ -156,7 +178,10 @@ def test_pictures_are_in_the_document_with_what_they_show(rigid_body):
 def test_there_is_an_end_to_pictures(rigid_body):
     pictures = [Picture(name, "2", name, f"what {name} shows") for name in "abc"]
     _, page = figures(rigid_body, pictures, **{"a.png": PNG * 10000, "b.png": PNG * 15000, "c.png": PNG})
-    assert list(page.shown) == ["what a shows", "what c shows"] and sum(map(len, page.shown.values())) <= MOST_PICTURES
+    assert (
+        list(page.shown) == ["what a shows", "what c shows"]
+        and sum(map(len, page.shown.values())) <= MOST_PICTURES
+    )
     assert "what b shows" in page.told
 
 

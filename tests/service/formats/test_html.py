@@ -34,16 +34,25 @@ class Elements(HTMLParser):
 
 @pytest.fixture(scope="module")
 def written(rigid_body, sandbox, tmp_path_factory):
-    """The folder of a batch: a right file, one whose name and prints are HTML, one that is no submission, one that we failed."""
+    """The folder of a batch: a right file, one whose name and prints are HTML, one that is no submission, one
+    that we failed.
+    """
     folder = tmp_path_factory.mktemp("batch")
     zeros = (rigid_body.folder / "samples" / "wrong_zeros.py").read_text()
-    (folder / EVIL).write_text(zeros + "\nprint('</pre><script>alert(2)</script>')\nraise ValueError('<i>slanted</i>')\n")
+    (folder / EVIL).write_text(
+        zeros + "\nprint('</pre><script>alert(2)</script>')\nraise ValueError('<i>slanted</i>')\n"
+    )
     (folder / "binary.py").write_bytes(b"\0")
     files = [rigid_body.folder / "samples" / "right_terms.py", folder / EVIL, folder / "binary.py"]
     with pytest.MonkeyPatch.context() as patch:
         lend(sandbox, patch)
         graded = list(
-            grade_files([GradeRequest(f, ("2",)) for f in files], GradeOptions(rigid_body, 1, ("svg",)), choose(), jobs=1)
+            grade_files(
+                [GradeRequest(f, ("2",)) for f in files],
+                GradeOptions(rigid_body, 1, ("svg",)),
+                choose(),
+                jobs=1,
+            )
         )
     graded.append(GradedFile(file=Path("lost.py"), fault="the guest went away"))
     out = OutputDir(folder / "out", [g.file for g in graded])

@@ -57,8 +57,16 @@ def test_numbers_stay_numbers_and_what_is_not_there_stays_empty():
 
 @pytest.mark.slow
 def test_every_width_of_the_four_signs_is_known():
-    first = {chr(c): unicodedata.normalize("NFKC", chr(c))[:1] for c in range(sys.maxunicode + 1) if not 0xD800 <= c < 0xE000}
-    missed = [f"U+{ord(c):04X}" for c, plain in first.items() if plain and plain in "=+-@" and not re.match(f"[{FORMULA}]", c)]
+    first = {
+        chr(c): unicodedata.normalize("NFKC", chr(c))[:1]
+        for c in range(sys.maxunicode + 1)
+        if not 0xD800 <= c < 0xE000
+    }
+    missed = [
+        f"U+{ord(c):04X}"
+        for c, plain in first.items()
+        if plain and plain in "=+-@" and not re.match(f"[{FORMULA}]", c)
+    ]
     assert missed == []
 
 

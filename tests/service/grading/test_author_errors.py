@@ -1,4 +1,6 @@
-"""Errors in an assignment's own code are system faults with file and line; what a student causes stays a verdict."""
+"""Errors in an assignment's own code are system faults with file and line; what a student causes stays a
+verdict.
+"""
 
 import json
 
@@ -13,7 +15,8 @@ from service.sandbox.result import SystemFault
 from tests.support.assignments import change, known
 
 FILES = {
-    "assignment.py": """import numpy as np
+    "assignment.py": (
+        """import numpy as np
 
 from ecp.checks import close
 from ecp.exercise import Exercise, Figure
@@ -46,15 +49,18 @@ CHECK = close("1-points", "double is right", "points", measured=returned, expect
 EXERCISE = Exercise("1", "Doubling", ("double",), (CHECK,), (Figure("values", "Values", "points", ("points",), plot),))
 notebook = Notebook("Doubling", setup="import numpy as np\\n", scenes=(SCENE,))
 notebook.own_exercise(EXERCISE)
-""",
-    "plays.py": """import numpy as np
+"""
+    ),
+    "plays.py": (
+        """import numpy as np
 
 
 def points(student, inputs):
     answer = student["double"](np.array(inputs["x"]))
     values = answer["y"]
     return {"y": np.array(values)}
-""",
+"""
+    ),
     "samples/right_dict.py": "def double(x):\n    return {'y': 2 * x}\n",
 }
 RIGHT = FILES["samples/right_dict.py"]
@@ -82,10 +88,25 @@ def test_without_an_error_it_is_graded(folder, sandbox):
     ("file", "old", "new", "message"),
     [
         ("plays.py", 'inputs["x"]', 'inputs["length"]', "scene points: plays.py line 5: KeyError: 'length'"),
-        ("plays.py", "np.array(values)", "np.array(vallues)", "scene points: plays.py line 7: NameError: name 'vallues'"),
+        (
+            "plays.py",
+            "np.array(values)",
+            "np.array(vallues)",
+            "scene points: plays.py line 7: NameError: name 'vallues'",
+        ),
         ("plays.py", 'answer["y"]', 'answer["z"]', "scene points: plays.py line 6: KeyError: 'z'"),
-        ("plays.py", '{"y":', '{"z":', "plays.py line 4: points returned the arrays z; the scene declares the arrays y"),
-        ("plays.py", "np.array(values)", "values[:, None]", r"points returned y with shape (4, 1); the scene declares (4,)"),
+        (
+            "plays.py",
+            '{"y":',
+            '{"z":',
+            "plays.py line 4: points returned the arrays z; the scene declares the arrays y",
+        ),
+        (
+            "plays.py",
+            "np.array(values)",
+            "values[:, None]",
+            r"points returned y with shape (4, 1); the scene declares (4,)",
+        ),
         ("plays.py", "np.array(values)", "[str(v) for v in values]", "points returned y with dtype <U"),
         ("plays.py", "np.array(values)}", "values}.popitem()", "points returned tuple, not a dict of arrays"),
         pytest.param(
@@ -96,19 +117,38 @@ def test_without_an_error_it_is_graded(folder, sandbox):
             marks=pytest.mark.slow,
         ),  # starts a new guest
         pytest.param(
-            "assignment.py", 'setup="import numpy as np', 'setup="1 / 0', "Setup line 1: ZeroDivisionError", marks=pytest.mark.slow
+            "assignment.py",
+            'setup="import numpy as np',
+            'setup="1 / 0',
+            "Setup line 1: ZeroDivisionError",
+            marks=pytest.mark.slow,
         ),  # starts a new guest
         ("assignment.py", "rng.uniform(", "rng.uniforms(", "assignment.py line 10: AttributeError"),
         ("assignment.py", 'inputs["x"]', 'inputs["z"]', "assignment.py line 14: KeyError: 'z'"),
-        ("assignment.py", 'return seen["y"]', 'return seen["z"]', "check 1-points: assignment.py line 18: KeyError: 'z'"),
-        ("assignment.py", 'return truth["y"]', 'return truth["y"] @ 1', "check 1-points: assignment.py line 22: ValueError"),
+        (
+            "assignment.py",
+            'return seen["y"]',
+            'return seen["z"]',
+            "check 1-points: assignment.py line 18: KeyError: 'z'",
+        ),
+        (
+            "assignment.py",
+            'return truth["y"]',
+            'return truth["y"] @ 1',
+            "check 1-points: assignment.py line 22: ValueError",
+        ),
         (
             "assignment.py",
             'return truth["y"]',
             'return truth["y"][:3]',
             "check 1-points: assignment.py line 21: ValueError: shape (4,)",
         ),
-        ("assignment.py", 'return truth["y"]', 'return str(truth["y"])', "check 1-points: assignment.py line 21: TypeError"),
+        (
+            "assignment.py",
+            'return truth["y"]',
+            'return str(truth["y"])',
+            "check 1-points: assignment.py line 21: TypeError",
+        ),
     ],
 )
 def test_an_error_of_the_author_is_a_fault_with_file_and_line(folder, sandbox, file, old, new, message):
@@ -145,7 +185,9 @@ def test_what_the_student_returned_is_no_error_of_the_author(folder, sandbox, sa
     report = graded(folder, sandbox, source).report
     (outcome,), (end,) = report.outcomes(), report.scene_ends
     assert outcome.verdict is Verdict.UNMEASURED and end.ended is Ended.WRONG_ANSWER
-    assert "the checks could not call double or use what it returned (" in outcome.line and error in outcome.line
+    assert (
+        "the checks could not call double or use what it returned (" in outcome.line and error in outcome.line
+    )
 
 
 def test_without_a_right_sample_an_error_of_the_author_is_recognized_too(folder, sandbox):
@@ -169,7 +211,9 @@ def test_a_submission_cannot_forge_an_error_of_the_author(folder, sandbox, sampl
 
 def test_the_exception_of_a_student_stays_one(folder, sandbox):
     report = graded(folder, sandbox, "def double(x):\n    return x['y']\n").report
-    assert report.scene_ends[0].ended is Ended.RAISED and "line 2, in double" in report.scene_ends[0].traceback
+    assert (
+        report.scene_ends[0].ended is Ended.RAISED and "line 2, in double" in report.scene_ends[0].traceback
+    )
     report = graded(folder, sandbox, "double = eval('lambda x: 1 // 0')\n").report
     assert report.scene_ends[0].ended is Ended.RAISED and "ZeroDivisionError" in report.scene_ends[0].sentence
 
@@ -191,7 +235,11 @@ def test_polhode_grade_reports_no_verdict(folder, polhode):
     with known(folder):
         told = polhode("grade", folder / "samples" / "right_dict.py", "--assignment", "doubling", "--json")
     (entry,) = json.loads(told.stdout)["reports"]
-    assert told.returncode == 2 and entry["report"] is None and "plays.py line 5: KeyError: 'length'" in entry["system_fault"]
+    assert (
+        told.returncode == 2
+        and entry["report"] is None
+        and "plays.py line 5: KeyError: 'length'" in entry["system_fault"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -245,15 +293,34 @@ notebook.exercise(
             "return 0.5 * x",
             "return [0.5 * x]",
             None,
-            "assignment.py line 18: question 1: ValueError: the truth does not answer as the right solution does for the "
-            "first input: half must return a number; it returned shape (1,)",
+            (
+                "assignment.py line 18: question 1: ValueError: the truth does not answer as the right"
+                " solution does for the first input: half must return a number; it returned shape (1,)"
+            ),
         ),
-        ("return 0.5 * x", "return 0.5 * y", None, "assignment.py line 12: NameError: name 'y' is not defined"),
-        ("uniform(1, 2)", "integers(2, 1)", None, "assignment.py line 18: question 1: ValueError: low > high"),
-        ("return x / 2", "return x / 0", "def half(x): return x / 2", "assignment.py line 8: ZeroDivisionError"),
+        (
+            "return 0.5 * x",
+            "return 0.5 * y",
+            None,
+            "assignment.py line 12: NameError: name 'y' is not defined",
+        ),
+        (
+            "uniform(1, 2)",
+            "integers(2, 1)",
+            None,
+            "assignment.py line 18: question 1: ValueError: low > high",
+        ),
+        (
+            "return x / 2",
+            "return x / 0",
+            "def half(x): return x / 2",
+            "assignment.py line 8: ZeroDivisionError",
+        ),
     ],
 )
-def test_an_error_in_a_declaration_of_one_file_is_a_fault_with_its_line(tmp_path, sandbox, old, new, source, message):
+def test_an_error_in_a_declaration_of_one_file_is_a_fault_with_its_line(
+    tmp_path, sandbox, old, new, source, message
+):
     (tmp_path / "halving").mkdir()
     text = ONE_FILE.replace(old, new)
     (tmp_path / "halving" / "assignment.py").write_text(text)

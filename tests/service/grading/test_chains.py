@@ -1,4 +1,6 @@
-"""Questions that use functions of earlier ones: graded with the student's own, or with the reference where that is wrong."""
+"""Questions that use functions of earlier ones: graded with the student's own, or with the reference where
+that is wrong.
+"""
 
 import json
 
@@ -26,7 +28,9 @@ def integrate(f, y, T, n):
         y = heun_step(f, k * h, y, h)
     return y
 """
-ESTIMATE = "\ndef error_estimate(f, y, T, n):\n    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3\n"
+ESTIMATE = (
+    "\ndef error_estimate(f, y, T, n):\n    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3\n"
+)
 HALVED = "halved = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)\n"
 REMARK = "used the reference {}, because yours does not pass its checks"
 
@@ -79,7 +83,10 @@ def test_a_wrong_earlier_function_does_not_cost_the_later_ones(graded):
     report = graded(EULER, INTEGRATE, ESTIMATE)
     assert passed(report) == {"integrate", "error_estimate"}, report.text()
     assert remarks(report) == {name: [REMARK.format("heun_step")] for name in ("integrate", "error_estimate")}
-    assert "✓  integrate is right   [max|Δ|" in report.text() and f"\n     {REMARK.format('heun_step')}\n" in report.text()
+    assert (
+        "✓  integrate is right   [max|Δ|" in report.text()
+        and f"\n     {REMARK.format('heun_step')}\n" in report.text()
+    )
     assert used(report)["integrate"] == "the reference heun_step"
     assert used(report)["error_estimate"] == "the submission's integrate, the reference heun_step"
 
@@ -88,19 +95,27 @@ def test_a_missing_earlier_function_does_not_cost_the_later_one(graded):
     for source in (INTEGRATE, "def heun_step(f, t, y, h):\n    '''Return the next state.'''\n" + INTEGRATE):
         report = graded(source)
         assert passed(report) == {"integrate"}, report.text()
-        assert remarks(report)["integrate"] == ["used the reference heun_step, because you have not written it"]
+        assert remarks(report)["integrate"] == [
+            "used the reference heun_step, because you have not written it"
+        ]
 
 
 def test_a_later_function_of_its_own_is_diagnosed_where_both_are_wrong(graded):
     report = graded(EULER, INTEGRATE.replace("range(n)", "range(n - 1)"))
-    diagnosed = {outcome.label.split()[0]: [d.code for d in outcome.diagnosis] for outcome in report.outcomes()}
+    diagnosed = {
+        outcome.label.split()[0]: [d.code for d in outcome.diagnosis] for outcome in report.outcomes()
+    }
     assert passed(report) == set()
-    assert diagnosed["heun_step"] == ["wrong-quantity"] and diagnosed["integrate"] == ["off-by-one"], report.text()
+    assert diagnosed["heun_step"] == ["wrong-quantity"] and diagnosed["integrate"] == ["off-by-one"], (
+        report.text()
+    )
     assert remarks(report)["integrate"] == [REMARK.format("heun_step")]
 
 
 def test_a_later_function_that_is_right_on_its_own_is_not_played_again(graded):
-    own = INTEGRATE.replace("y = heun_step(f, k * h, y, h)", "y = y + h * (f(k * h, y) + f(k * h + h, y + h * f(k * h, y))) / 2")
+    own = INTEGRATE.replace(
+        "y = heun_step(f, k * h, y, h)", "y = y + h * (f(k * h, y) + f(k * h + h, y + h * f(k * h, y))) / 2"
+    )
     report = graded(EULER, own)
     assert passed(report) == {"integrate"} and not remarks(report), report.text()
     assert used(report)["integrate"] == "the submission's heun_step"
@@ -121,7 +136,10 @@ def test_values_computed_in_a_cell_come_from_the_reference(graded):
 
 def test_a_result_with_more_checks_passed_stays(graded):
     """A later function that agrees with the student's own step is not judged worse with the reference."""
-    swapped = "\ndef heun_step(y, t, f, h):\n    slope = f(t, y)\n    return y + h / 2 * (slope + f(t + h, y + h * slope))\n"
+    swapped = (
+        "\ndef heun_step(y, t, f, h):\n    slope = f(t, y)\n    return y + h / 2 * (slope + f(t + h, y + h *"
+        " slope))\n"
+    )
     later = INTEGRATE.replace("heun_step(f, k * h, y, h)", "heun_step(y, k * h, f, h)").replace(
         "return y", "return y if n > 4 else -y"
     )
@@ -132,7 +150,15 @@ def test_a_result_with_more_checks_passed_stays(graded):
 def test_the_kit_uses_the_students_function_and_says_what_the_server_does(chain, tmp_path):
     told = json.loads(check_locally("toolbox", EULER + INTEGRATE, tmp_path, "outcome.remarks"))
     assert (
-        told == [[], ["checked with your own heun_step: where that is wrong or missing, the server uses the reference"]] + [[]] * 2
+        told
+        == [
+            [],
+            [
+                "checked with your own heun_step: where that is wrong or missing, the server uses the"
+                " reference"
+            ],
+        ]
+        + [[]] * 2
     )
 
 

@@ -42,14 +42,18 @@ def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
         ("integrators", None, (), "euler_step, ", ("yours, euler_step", "yours, rk4_step")),
     ],
 )
-def test_a_submission_is_drawn_with_any_exercise_that_has_a_chart(slug, sample, exercise, scene, labels, tmp_path, capsys):
+def test_a_submission_is_drawn_with_any_exercise_that_has_a_chart(
+    slug, sample, exercise, scene, labels, tmp_path, capsys
+):
     assignment, file = find(slug), tmp_path / "mine.py"
     made = (sample.source for sample in assignment.made_samples() if sample.right)
     file.write_text((assignment.folder / "samples" / sample).read_text() if sample else next(made))
     given = ["--submission", str(file), "--assignment", slug, *exercise, "--out", str(tmp_path / "out")]
     assert main(["chart", "work-precision", *given]) == 0, capsys.readouterr()
     assert capsys.readouterr().out.startswith(scene)
-    assert json.loads((tmp_path / "out" / "work-precision-submission.json").read_text())["scene"].startswith(scene)
+    assert json.loads((tmp_path / "out" / "work-precision-submission.json").read_text())["scene"].startswith(
+        scene
+    )
     svg = (tmp_path / "out" / "work-precision-submission.svg").read_text()
     assert all(label in svg for label in labels)
 
@@ -57,7 +61,10 @@ def test_a_submission_is_drawn_with_any_exercise_that_has_a_chart(slug, sample, 
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (["--exercise", "1", "--submission"], "exercise 1 has no chart of speed against accuracy; these have one: 2"),
+        (
+            ["--exercise", "1", "--submission"],
+            "exercise 1 has no chart of speed against accuracy; these have one: 2",
+        ),
         (["--exercise", "9", "--submission"], "9"),
         (["--scene", "x", "--submission"], "leave --scene out"),
         (["--exercise"], "add --submission FILE"),
@@ -73,7 +80,11 @@ def test_stability_measures_the_named_scenes_only(tmp_path, capsys):
     assert main(["chart", "stability", "--scene", "phase", "--scene", "nowhere", "--out", str(tmp_path)]) == 0
     (entry,) = json.loads((tmp_path / "stability.json").read_text())["entries"]
     assert entry["name"] == "invariants hold and the phase is wrong" and entry["holds"]
-    assert {path.name for path in tmp_path.iterdir()} == {"stability.json", "stability-0.csv", "stability-0.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "stability.json",
+        "stability-0.csv",
+        "stability-0.svg",
+    }
 
 
 def test_the_measurement_that_comes_along_has_matplotlib():
@@ -90,22 +101,68 @@ def test_the_measurement_that_comes_along_has_matplotlib():
 def test_exceptions_are_told_and_not_hidden():
     document = {
         "points": [
-            {"scene": "s", "method": "exact", "line": "closed form", "setting": 0, "error_w": 0.0, "error_R": 0.0, "ratio": 0.1},
-            {"scene": "s", "method": "cheap", "line": "explicit", "setting": 1, "error_w": 1e-9, "error_R": 1e-9, "ratio": 0.05},
-            {"scene": "s", "method": "coarse", "line": "explicit", "setting": 1, "error_w": 1e-3, "error_R": 1e-3, "ratio": 0.01},
-            {"scene": "s", "method": "blown up", "line": "explicit", "setting": 1, "error_w": None, "error_R": None, "ratio": 0.01},
+            {
+                "scene": "s",
+                "method": "exact",
+                "line": "closed form",
+                "setting": 0,
+                "error_w": 0.0,
+                "error_R": 0.0,
+                "ratio": 0.1,
+            },
+            {
+                "scene": "s",
+                "method": "cheap",
+                "line": "explicit",
+                "setting": 1,
+                "error_w": 1e-9,
+                "error_R": 1e-9,
+                "ratio": 0.05,
+            },
+            {
+                "scene": "s",
+                "method": "coarse",
+                "line": "explicit",
+                "setting": 1,
+                "error_w": 1e-3,
+                "error_R": 1e-3,
+                "ratio": 0.01,
+            },
+            {
+                "scene": "s",
+                "method": "blown up",
+                "line": "explicit",
+                "setting": 1,
+                "error_w": None,
+                "error_R": None,
+                "ratio": 0.01,
+            },
         ]
     }
     assert [p["method"] for p in charts.exceptions(document)] == ["cheap"]
 
 
 def made(cost, error, method="m", line="explicit"):
-    return {"scene": "s", "method": method, "line": line, "calls": cost, "ratio": cost, "error_w": error, "error_R": 0.0}
+    return {
+        "scene": "s",
+        "method": method,
+        "line": line,
+        "calls": cost,
+        "ratio": cost,
+        "error_w": error,
+        "error_R": 0.0,
+    }
 
 
 def test_the_pareto_front_has_what_nothing_beats():
     best = [made(1, 1e-1), made(3, 1e-4), made(9, 1e-9)]
-    beaten = [made(2, 1e-1), made(3, 1e-3), made(10, 1e-9), made(4, None), made(1, 1e-16, "exact", "closed form")]
+    beaten = [
+        made(2, 1e-1),
+        made(3, 1e-3),
+        made(10, 1e-9),
+        made(4, None),
+        made(1, 1e-16, "exact", "closed form"),
+    ]
     assert chart_drawing.front([*beaten, *reversed(best)], "calls") == best
     assert chart_drawing.front([], "calls") == []
 
@@ -175,7 +232,9 @@ def test_names_beside_curves_do_not_overlap_and_stay_at_the_axes(heights):
 
 def test_the_key_of_a_class_names_each_method_once():
     methods = [SweptPoint(method, 1e-11, 1000, 1e-10, 0.01) for method in ("DOP853", "RK45")]
-    drawn = chart_drawing.draw_class(charts.load_work_precision(), "exercise 2", [methods, methods[:1], methods[1:]]).decode()
+    drawn = chart_drawing.draw_class(
+        charts.load_work_precision(), "exercise 2", [methods, methods[:1], methods[1:]]
+    ).decode()
     assert [drawn.count(f">class, {method}<") for method in ("DOP853", "RK45")] == [1, 1]
     assert ">class, " not in chart_drawing.draw_class(charts.load_work_precision(), "exercise 2", []).decode()
 
@@ -184,9 +243,14 @@ def test_the_key_of_a_class_names_each_method_once():
 def test_the_page_shows_every_chart_and_when_and_with_what_it_was_measured(database_url):
     drawn = ["work-precision/0", "work-precision/8", *(f"stability/{n}" for n in range(10))]
     page, none, *answers = visit(
-        database_url, *(f"/reference{path}" for path in ("", "/stability/10.svg", *(f"/{d}.svg" for d in drawn)))
+        database_url,
+        *(f"/reference{path}" for path in ("", "/stability/10.svg", *(f"/{d}.svg" for d in drawn))),
     )
-    assert charts.load_work_precision()["measured_at"] in page.text and "numpy" in page.text and page.text.count("<figure>") == 19
+    assert (
+        charts.load_work_precision()["measured_at"] in page.text
+        and "numpy" in page.text
+        and page.text.count("<figure>") == 19
+    )
     assert none.status_code == 404
     for chart, answer in zip(drawn, answers, strict=True):
         assert answer.headers["content-type"].startswith("image/svg") and "<svg" in answer.text, chart

@@ -1,4 +1,6 @@
-"""Answers that change, motions that are not the function's own, and functions asked call by call by the host."""
+"""Answers that change, motions that are not the function's own,
+and functions asked call by call by the host.
+"""
 
 import struct
 from dataclasses import replace
@@ -22,10 +24,19 @@ WRONG = "def euler_eqs(t, w, I):\n    return np.cross(w, I * w) / I\n"
 TIMES = "-np.cross(w, I * w) / I\n"
 UNSTEADY = {
     "noise": "def euler_eqs(t, w, I):\n    return (1 + 1e-15 * np.random.default_rng().random()) * " + TIMES,
-    "a count": "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) % 2)) * " + TIMES,
-    "one call": "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) == 40)) * " + TIMES,
-    "the process": "import os\ns = 1 + 1e-20 * int.from_bytes(os.urandom(4))\ndef euler_eqs(t, w, I):\n    return s * " + TIMES,
-    "the order": "m = [0.0]\ndef euler_eqs(t, w, I):\n    m[0], e = t, m[0] * 1e-16\n    return (1 + e) * " + TIMES,
+    "a count": (
+        "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) % 2)) * " + TIMES
+    ),
+    "one call": (
+        "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) == 40)) * " + TIMES
+    ),
+    "the process": (
+        "import os\ns = 1 + 1e-20 * int.from_bytes(os.urandom(4))\ndef euler_eqs(t, w, I):\n    return s * "
+        + TIMES
+    ),
+    "the order": (
+        "m = [0.0]\ndef euler_eqs(t, w, I):\n    m[0], e = t, m[0] * 1e-16\n    return (1 + e) * " + TIMES
+    ),
 }
 
 FORGED = """
@@ -82,7 +93,9 @@ def test_right_equations_are_certified_and_their_motion_is_the_childs(rigid_body
 def test_a_right_function_is_not_integrated_along_hidden_motions_and_the_line_says_so(rigid_body, sandbox):
     graded = grade(Submission(RIGHT), rigid_body, sandbox, 5, ["2", "6"])
     lines = {o.id: o for o in graded.report.outcomes()}
-    assert all("not integrated: euler_eqs at 128 points" in lines[id].detail for id in ("2-secret", "6-secret"))
+    assert all(
+        "not integrated: euler_eqs at 128 points" in lines[id].detail for id in ("2-secret", "6-secret")
+    )
     assert "≤" not in lines["2-motion"].detail and lines["2-secret"].margin > 100
     how = graded.report.provenance.motions
     assert {name for name in how if "not integrated" in how[name]} == {"drawn-long", "drawn-attitude"}
@@ -103,7 +116,9 @@ def test_a_hidden_motion_without_a_bound_is_integrated(rigid_body, sandbox):
 
 
 def test_a_function_whose_proof_does_not_finish_has_no_hidden_motions(rigid_body, sandbox):
-    report = grade(Submission("def euler_eqs(t, w, I):\n    return 1 / 0\n"), rigid_body, sandbox, 5, ["2"]).report
+    report = grade(
+        Submission("def euler_eqs(t, w, I):\n    return 1 / 0\n"), rigid_body, sandbox, 5, ["2"]
+    ).report
     secret = next(o for o in report.outcomes() if o.id == "2-secret")
     assert "ZeroDivisionError" in secret.detail and secret.diagnosis[0].code == "raises"
     assert [end.ended for end in report.scene_ends] == [Ended.RAISED, Ended.NOT_PLAYED, Ended.NOT_PLAYED]
@@ -128,7 +143,9 @@ def test_a_forged_motion_is_replaced_by_the_functions_own(rigid_body, sandbox):
     assert motion.verdict is Verdict.FAIL
 
 
-def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and_says_why(rigid_body, sandbox):
+def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and_says_why(
+    rigid_body, sandbox
+):
     stops = WRONG.replace("    return", "    calls.append(t)\n    return 1 / 0 if len(calls) > 200 else")
     report = grade(Submission("calls = []\n" + stops + FORGED), rigid_body, sandbox, 5, ["2"]).report
     motion = next(o for o in report.outcomes() if o.id == "2-motion")

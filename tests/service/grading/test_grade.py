@@ -41,7 +41,9 @@ def test_the_right_sample_prints_the_notebooks_nine_lines(files, rigid_body, san
     outcomes = {o.id: o for o in report.outcomes()}
     assert report.passed and set(NINE) <= set(outcomes)
     for id, detail in NINE.items():
-        if id in ROUND_OFF:  # digits of rounding differ from machine to machine: an order of magnitude is what they say
+        if (
+            id in ROUND_OFF
+        ):  # digits of rounding differ from machine to machine: an order of magnitude is what they say
             printed = float(detail.split("= ")[-1].split()[0] if "= " in detail[:25] else detail.split()[1])
             assert printed / 10 < outcomes[id].measured < printed * 10, id
         else:
@@ -52,12 +54,16 @@ def test_exact_growth_to_the_digits_printed(files, rigid_body, sandbox):
     import reference
 
     runs = graded(files, "right_terms.py", rigid_body, sandbox, numbers=["5"]).arrays
-    growth = [reference.transverse_growth(runs[f"spin-{k}"]["w"], i, 6.0) for i, k in enumerate(("min", "mid", "max"))]
+    growth = [
+        reference.transverse_growth(runs[f"spin-{k}"]["w"], i, 6.0)
+        for i, k in enumerate(("min", "mid", "max"))
+    ]
     assert [f"{g:.4f}" for g in growth] == ["0.0385", "1.1364", "0.0289"]
 
 
 @pytest.mark.parametrize(
-    "name", ["wrong_zeros.py", "wrong_time_reversed.py", "hostile_patched_max.py", "hostile_replaced_solver.py"]
+    "name",
+    ["wrong_zeros.py", "wrong_time_reversed.py", "hostile_patched_max.py", "hostile_replaced_solver.py"],
 )
 def test_what_fools_checks_of_invariants_does_not_fool_these(files, name, rigid_body, sandbox):
     report = graded(files, name, rigid_body, sandbox, numbers=["2"]).report
@@ -113,7 +119,9 @@ def test_a_missing_function_is_unmeasured_with_its_cause(files, rigid_body, sand
 
 def test_the_total_has_the_points_of_exercises_that_were_not_attempted(files, rigid_body, sandbox):
     box = "def box_moments(m, a, b, c): return a, b, c\n"
-    one, asked = (grade(Submission(box), rigid_body, sandbox, 1, numbers).report for numbers in (None, ["1", "6"]))
+    one, asked = (
+        grade(Submission(box), rigid_body, sandbox, 1, numbers).report for numbers in (None, ["1", "6"])
+    )
     assert (one.max_score, one.total) == (len(rigid_body.exercise("1").checks), rigid_body.max_points())
     assert one.not_attempted == ["2", "3", "4", "5", "6"]
     assert asked.not_attempted == [] and asked.total == asked.max_score == rigid_body.max_points(["1", "6"])

@@ -23,19 +23,26 @@ def swept(rigid_body, sandbox):
 
 @pytest.mark.slow
 def test_errors_and_calls_are_those_of_the_reference(swept):
-    known = {(p["method"], p["setting"]): p for p in load_work_precision()["points"] if p["scene"] == swept.scene}
+    known = {
+        (p["method"], p["setting"]): p for p in load_work_precision()["points"] if p["scene"] == swept.scene
+    }
     assert len(swept.points) == 18
     for point in swept.points:
         other = known[point.method, point.rtol]
         assert 0.7 < point.calls / other["calls"] < 1.4
         error = max(other["error_w"], other["error_R"])
         assert (point.error is not None and 0.2 < point.error / error < 5) or max(point.error, error) < 1e-12
-    assert "DOP853 at rtol 1e-11 reaches" in swept.line and "reaches 1e-08 with the fewest calls" in swept.line
+    assert (
+        "DOP853 at rtol 1e-11 reaches" in swept.line and "reaches 1e-08 with the fewest calls" in swept.line
+    )
 
 
 def test_the_chart_shows_yours_over_the_others(swept):
     chart = draw_work_precision(load_work_precision(), swept.scene, swept.points).decode()
-    assert "yours, DOP853" in chart and "yours" not in draw_work_precision(load_work_precision(), swept.scene).decode()
+    assert (
+        "yours, DOP853" in chart
+        and "yours" not in draw_work_precision(load_work_precision(), swept.scene).decode()
+    )
 
 
 @pytest.mark.slow  # test_routes.py sweeps a submission too
@@ -45,7 +52,8 @@ def test_wrong_equations_reach_nothing(rigid_body, sandbox):
 
 
 @pytest.mark.parametrize(
-    ("source", "why"), [("x = 1", "not defined"), ("def euler_eqs(t, w, I):\n    return 1 / 0", "ZeroDivisionError")]
+    ("source", "why"),
+    [("x = 1", "not defined"), ("def euler_eqs(t, w, I):\n    return 1 / 0", "ZeroDivisionError")],
 )
 def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
     with pytest.raises(SweepFailed, match=why):
@@ -80,7 +88,10 @@ def euler_eqs(t, w, I):
 )
 def test_impossible_calls_and_seconds_are_refused(source, number, rigid_body, sandbox):
     """Seconds are compared with the host's clock too: 18 runs of 2 s in less than that."""
-    with pytest.raises(SweepFailed, match=r"number of calls is not|time is not between|impossible numbers of calls or seconds"):
+    with pytest.raises(
+        SweepFailed,
+        match=r"number of calls is not|time is not between|impossible numbers of calls or seconds",
+    ):
         Grader(sandbox).sweep(Submission(source.replace("NUMBER", number)), rigid_body)
 
 

@@ -28,9 +28,9 @@ def test_arrays_of_recordings_are_packed_apart_and_read_together(graded):
         and packed["recorded/free.npz"] is rendering.pack(shared)["recorded/free.npz"]
     )
     found = rendering.unpack(packed.values())
-    assert {f"{scene}/{name}": array.tolist() for scene, its in found.items() for name, array in its.items()} == {
-        f"{scene}/{name}": array.tolist() for scene, its in arrays.items() for name, array in its.items()
-    }
+    assert {
+        f"{scene}/{name}": array.tolist() for scene, its in found.items() for name, array in its.items()
+    } == {f"{scene}/{name}": array.tolist() for scene, its in arrays.items() for name, array in its.items()}
     assert rendering.unpack([packed["arrays.npz"]])["free"].keys() == {"t"}
 
 
@@ -56,7 +56,9 @@ def test_the_residual_has_a_log_axis_with_the_tolerance_in_it(rigid_body, graded
 
     canvas = Figure()
     scene = rigid_body.scene("torque-free")
-    rendering.find(rigid_body, "omega-residual").draw(canvas, [graded.arrays["torque-free"]], [truth(scene, scene.inputs)])
+    rendering.find(rigid_body, "omega-residual").draw(
+        canvas, [graded.arrays["torque-free"]], [truth(scene, scene.inputs)]
+    )
     (axes,) = canvas.axes
     assert axes.get_yscale() == "log"
     assert any(abs(line.get_ydata()[0] - 1.01e-8 * np.sqrt(2)) < 1e-12 for line in axes.lines)
@@ -82,11 +84,20 @@ def colours(axes):
 def test_the_figures_show_what_the_courses_captions_say(rigid_body, graded):
     blue, orange, red, amber = "#0072b2", "#e69f00", "#c1272d", "#c0851a"
     solid, _ = drawn(rigid_body, "box", graded.arrays)
-    assert [(text.get_text(), text.get_color()) for text in solid.texts] == [("ê₁", amber), ("ê₂", blue), ("ê₃", red)]
+    assert [(text.get_text(), text.get_color()) for text in solid.texts] == [
+        ("ê₁", amber),
+        ("ê₂", blue),
+        ("ê₃", red),
+    ]
     left, right = drawn(rigid_body, "omega", graded.arrays)
     assert list(colours(left)) == ["ω₁", "ω₂", "ω₃", "exact"]
     T, _, L, _ = (line.get_ydata() for line in right.lines)
-    assert np.ptp(T) < 1e-11 and np.ptp(L) < 1e-11 and T[0] == pytest.approx(2.82) and L[0] == pytest.approx(4.180909)
+    assert (
+        np.ptp(T) < 1e-11
+        and np.ptp(L) < 1e-11
+        and T[0] == pytest.approx(2.82)
+        and L[0] == pytest.approx(4.180909)
+    )
     (polhode,) = drawn(rigid_body, "polhode", graded.arrays)
     (ellipsoid,) = polhode.collections
     assert 0 < ellipsoid.get_alpha() < 0.5 and polhode.lines[0].get_color() == blue
@@ -95,7 +106,9 @@ def test_the_figures_show_what_the_courses_captions_say(rigid_body, graded):
     assert circle.get_title().startswith("phase slope 1.8 rad/s")
     (cone,) = drawn(rigid_body, "cone", graded.arrays)
     found = colours(cone)
-    assert [found[f"ê{k} at t = 0"] for k in "₁₂₃"] == [blue, orange, red] and found["direction of L, fixed in space"] == amber
+    assert [found[f"ê{k} at t = 0"] for k in "₁₂₃"] == [blue, orange, red] and found[
+        "direction of L, fixed in space"
+    ] == amber
     tip = np.array(cone.lines[0].get_data_3d())
     assert np.ptp(tip[2]) < 1e-9 and np.ptp(np.hypot(tip[0], tip[1])) < 1e-9, "a circle around the vertical"
 
@@ -106,7 +119,9 @@ def test_a_motion_that_diverges_leaves_the_exact_one_in_view(rigid_body, graded)
         late = np.maximum(arrays["t"] - 0.5 * arrays["t"][-1], 0)
         arrays["w"] = arrays["w"] * np.exp(80 * late / arrays["t"][-1])
     for name in ("omega", "precession"):
-        for axes, right in zip(drawn(rigid_body, name, grown), drawn(rigid_body, name, graded.arrays), strict=True):
+        for axes, right in zip(
+            drawn(rigid_body, name, grown), drawn(rigid_body, name, graded.arrays), strict=True
+        ):
             exact = [line.get_ydata() for line in right.lines if line.get_color() == "0.25"]
             (least, most), room = axes.get_ylim(), 1.1 * max(np.abs(ys).max() for ys in exact)
             assert all(least <= ys.min() and ys.max() <= most for ys in exact) and most < 2 * room, name
@@ -117,7 +132,10 @@ def test_a_motion_that_diverges_leaves_the_exact_one_in_view(rigid_body, graded)
 def test_a_figure_of_any_numbers_can_be_drawn(rigid_body, graded, value):
     for name in ("omega", "precession", "cone"):
         scenes = rendering.find(rigid_body, name).scenes
-        spoilt = {s: {k: a if k == "t" else np.full_like(a, value) for k, a in graded.arrays[s].items()} for s in scenes}
+        spoilt = {
+            s: {k: a if k == "t" else np.full_like(a, value) for k, a in graded.arrays[s].items()}
+            for s in scenes
+        }
         assert drawn(rigid_body, name, spoilt)
 
 

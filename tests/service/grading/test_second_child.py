@@ -1,4 +1,6 @@
-"""The second child of a grading, which a worker's sandbox plays beside the first one: the reports are the same."""
+"""The second child of a grading, which a worker's sandbox plays beside the first one: the reports are the
+same.
+"""
 
 import json
 import threading
@@ -24,7 +26,10 @@ def euler_eqs(t, w, I):
 SOURCES = {
     "right": RIGHT,
     "wrong": RIGHT.replace("-np", "np"),
-    "uses SciPy": "from scipy.linalg import solve\ndef euler_eqs(t, w, I):\n    return -solve(np.diag(I), np.cross(w, I * w))\n",
+    "uses SciPy": (
+        "from scipy.linalg import solve\ndef euler_eqs(t, w, I):\n    return -solve(np.diag(I), np.cross(w, I"
+        " * w))\n"
+    ),
     "crashes later": LATER.format("import ctypes; ctypes.string_at(0)"),
     "exits later": LATER.format("import os; os._exit(3)"),
     "violates the protocol later": LATER.format("import os; os.write(4, b'no frame')"),
@@ -61,10 +66,17 @@ def as_json(report):
 
 
 @pytest.mark.parametrize(
-    "source", [pytest.param(text, id=id, marks=[pytest.mark.slow] if "never" in id else []) for id, text in SOURCES.items()]
+    "source",
+    [
+        pytest.param(text, id=id, marks=[pytest.mark.slow] if "never" in id else [])
+        for id, text in SOURCES.items()
+    ],
 )
 def test_the_report_is_the_same(source, rigid_body, sandbox, warm_sandbox, beside):
-    alone, both = (as_json(grade(Submission(source), rigid_body, each, 5, ["2"]).report) for each in (sandbox, warm_sandbox))
+    alone, both = (
+        as_json(grade(Submission(source), rigid_body, each, 5, ["2"]).report)
+        for each in (sandbox, warm_sandbox)
+    )
     assert both == alone
 
 
@@ -78,7 +90,9 @@ def test_it_does_not_play_before_the_first_child_has_answered(rigid_body, warm_s
     assert beside.submitted == ["start_child"]
 
 
-def test_a_guest_that_is_slow_to_start_a_child_does_not_hold_up_the_first_child(rigid_body, warm_sandbox, beside, monkeypatch):
+def test_a_guest_that_is_slow_to_start_a_child_does_not_hold_up_the_first_child(
+    rigid_body, warm_sandbox, beside, monkeypatch
+):
     """The first child would block on a full pipe until its time is over."""
     start, waits = warm_sandbox.start_child, []
 
@@ -90,7 +104,12 @@ def test_a_guest_that_is_slow_to_start_a_child_does_not_hold_up_the_first_child(
     monkeypatch.setattr(warm_sandbox, "start_child", slow)
     played = []
     grade(
-        Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"], on_progress=lambda *step: played.append((step[0], time.monotonic()))
+        Submission(RIGHT),
+        rigid_body,
+        warm_sandbox,
+        5,
+        ["2"],
+        on_progress=lambda *step: played.append((step[0], time.monotonic())),
     )
     (_, first), *_, (phase, judging) = played
     assert waits and phase == "judging" and judging - first < 0.9
@@ -121,14 +140,21 @@ def test_it_ends_with_a_cancelled_grading(rigid_body, warm_sandbox, beside):
 
 def test_a_grading_waits_for_a_second_child_whose_answers_it_does_not_use(rigid_body, warm_sandbox, beside):
     """Else that child would hold a guest that the next submission needs."""
-    source = LATER.format("import os; os.write(4, b'no frame')").replace("calls = []", "import time\ncalls = []") + (
-        "right = euler_eqs\ndef euler_eqs(t, w, I):\n    if len(calls) == 100: time.sleep(1.0)\n    return right(t, w, I)\n"
+    source = (
+        LATER.format("import os; os.write(4, b'no frame')").replace("calls = []", "import time\ncalls = []")
+        + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    if len(calls) == 100: time.sleep(1.0)\n    return"
+        " right(t, w, I)\n"
     )
     grade(Submission(source), rigid_body, warm_sandbox, 5, ["2"])
-    assert beside.submitted == ["start_child", "_play"] and not any(guest._turn.locked() for guest in warm_sandbox._guests)
+    assert beside.submitted == ["start_child", "_play"] and not any(
+        guest._turn.locked() for guest in warm_sandbox._guests
+    )
 
 
 def test_without_questions_to_repeat_there_is_none(rigid_body, warm_sandbox, beside):
-    source = "def box_moments(m, a, b, c):\n    return m / 12 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])\n"
+    source = (
+        "def box_moments(m, a, b, c):\n    return m / 12 * np.array([b**2 + c**2, a**2 + c**2, a**2 +"
+        " b**2])\n"
+    )
     grade(Submission(source), rigid_body, warm_sandbox, 5, ["1"])
     assert not beside.submitted

@@ -17,7 +17,10 @@ def test_a_file_is_one_cell():
 
 def test_a_notebook_is_its_code_cells_numbered_as_shown():
     submission = Submission.from_bytes(notebook("x = 1", ["y = 2\n", "z = 3"]), "mine.ipynb")
-    assert [(c.name, c.source) for c in submission.cells()] == [("cell 1", "x = 1"), ("cell 2", "y = 2\nz = 3")]
+    assert [(c.name, c.source) for c in submission.cells()] == [
+        ("cell 1", "x = 1"),
+        ("cell 2", "y = 2\nz = 3"),
+    ]
 
 
 def test_a_notebook_by_a_name_in_large_letters():

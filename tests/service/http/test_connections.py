@@ -25,7 +25,9 @@ MOST_S = 20.0  # a connection that is still open then was never going to be clos
 @pytest.fixture(scope="module")
 def hurried(new_app, url):
     """A server that waits for nobody, with places for eight connections."""
-    return new_app(database_url=url, header_timeout=SHORT, body_timeout=SHORT, connections=8, identity="local")
+    return new_app(
+        database_url=url, header_timeout=SHORT, body_timeout=SHORT, connections=8, identity="local"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +41,9 @@ def connected():
     with contextlib.ExitStack() as stack:
 
         def connect(server, sent=b"", source="127.0.0.1"):
-            connection = stack.enter_context(socket.create_connection(("127.0.0.1", server.port), MOST_S, (source, 0)))
+            connection = stack.enter_context(
+                socket.create_connection(("127.0.0.1", server.port), MOST_S, (source, 0))
+            )
             connection.sendall(sent)
             return connection
 
@@ -61,7 +65,11 @@ def status(response):
 
 def closed(limit, server):
     """How many connections the limit has closed."""
-    found = re.search(rf'^polhode_http_closed_total{{limit="{limit}"}} (.+)$', call(server, "/metrics")[2].decode(), re.MULTILINE)
+    found = re.search(
+        rf'^polhode_http_closed_total{{limit="{limit}"}} (.+)$',
+        call(server, "/metrics")[2].decode(),
+        re.MULTILINE,
+    )
     return float(found[1]) if found else 0.0
 
 
@@ -97,7 +105,9 @@ def test_a_header_that_trickles_is_cut_also_on_a_connection_used_before(connecte
     assert status(response) == 408 and b"urn:polhode:problem:timed-out" in response
 
 
-@pytest.mark.parametrize("head", [b"Content-Length: 2000\r\n\r\n", b"Transfer-Encoding: chunked\r\n\r\n7d0\r\n"])
+@pytest.mark.parametrize(
+    "head", [b"Content-Length: 2000\r\n\r\n", b"Transfer-Encoding: chunked\r\n\r\n7d0\r\n"]
+)
 def test_a_body_that_trickles_is_cut_and_counted_as_nobodys_fault(connected, hurried, head):
     before = len(hurried.log.read_text())
     response, _ = dribble(connected(hurried, FORM + head), b" " * 2000, 0.02)
@@ -213,7 +223,8 @@ def test_a_client_that_leaves_during_an_upload_is_no_fault(connected, new_app, u
 
 
 @pytest.mark.parametrize(
-    ("public_url", "sent"), [("https://polhode.example", True), ("http://polhode.example", False), (None, False)]
+    ("public_url", "sent"),
+    [("https://polhode.example", True), ("http://polhode.example", False), (None, False)],
 )
 def test_browsers_stay_with_https_where_it_is_the_public_address(new_app, url, public_url, sent):
     server = new_app(database_url=url, public_url=public_url)
@@ -244,7 +255,9 @@ print(serve(Settings(port={port})), *resource.getrlimit(resource.RLIMIT_NOFILE))
 
 @pytest.mark.slow  # a process of its own imports everything
 def test_a_server_raises_its_limit_of_open_files_before_anything_else(server):
-    done = subprocess.run([sys.executable, "-c", SERVE.format(port=server.port)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", SERVE.format(port=server.port)], capture_output=True, text=True, check=True
+    )
     code, soft, hard = map(int, done.stdout.split())
     assert code == 2 and "Address already in use" in done.stderr and soft == hard > 1024
 

@@ -1,4 +1,6 @@
-"""A rejected form is shown again: the rules on pages made here, and which requests are answered so by a server."""
+"""A rejected form is shown again: the rules on pages made here, and which requests are answered so by a
+server.
+"""
 
 import re
 from html.parser import HTMLParser
@@ -45,7 +47,9 @@ class Tags(HTMLParser):
 
     def handle_starttag(self, tag, attrs):
         self.found.append((tag, dict(attrs)))
-        self._area = dict(attrs).get("name" if tag == "textarea" else "id") if tag in ("textarea", "span") else None
+        self._area = (
+            dict(attrs).get("name" if tag == "textarea" else "id") if tag in ("textarea", "span") else None
+        )
 
     def handle_endtag(self, tag):
         self._area = None
@@ -56,11 +60,20 @@ class Tags(HTMLParser):
 
     def of(self, name, value=None):
         """The attributes of a control."""
-        return next(a for _, a in self.found if a.get("name") == name and (value is None or a.get("value") == value))
+        return next(
+            a for _, a in self.found if a.get("name") == name and (value is None or a.get("value") == value)
+        )
 
 
 def shown(path="/notes", typed=None, detail="wrong & <bad>", name="points"):
-    return refill(PAGE, path, address="/person?name=ann&b=1", typed=TYPED if typed is None else typed, detail=detail, name=name)
+    return refill(
+        PAGE,
+        path,
+        address="/person?name=ann&b=1",
+        typed=TYPED if typed is None else typed,
+        detail=detail,
+        name=name,
+    )
 
 
 def test_every_kind_of_field_has_what_was_typed():
@@ -79,7 +92,9 @@ def test_every_kind_of_field_has_what_was_typed():
 def test_the_error_is_beside_its_field_and_can_be_seen():
     page = shown()
     tags = Tags(page)
-    assert {"aria-invalid": "true", "aria-describedby": "refused", "autofocus": ""}.items() <= tags.of("points").items()
+    assert {"aria-invalid": "true", "aria-describedby": "refused", "autofocus": ""}.items() <= tags.of(
+        "points"
+    ).items()
     assert tags.text["refused"] == "wrong & <bad>"
     assert re.search(r'name="points"[^>]* aria-invalid[^>]*></label><span class="refused"', page)
     assert '<details open="">' in page and "<title>Error: T</title>" in page and "refresh" not in page
@@ -88,7 +103,9 @@ def test_the_error_is_beside_its_field_and_can_be_seen():
 @pytest.mark.parametrize("name", ["", "unknown", "id", "do"])
 def test_an_error_of_no_field_is_at_the_beginning_of_the_form(name):
     page = shown(name=name)
-    assert re.search(r'<form [^>]*><span class="refused" id="refused" role="alert" tabindex="-1" autofocus>wrong', page)
+    assert re.search(
+        r'<form [^>]*><span class="refused" id="refused" role="alert" tabindex="-1" autofocus>wrong', page
+    )
     assert "aria-invalid" not in page
 
 
@@ -101,7 +118,10 @@ def test_the_form_is_that_which_was_sent():
 
 def test_what_no_page_can_contain_is_asked_for():
     page = shown("/files", typed={"secret": ["hunter2"]}, name="file")
-    assert Tags(page).text["refused"] == "wrong & <bad>; choose the file again; enter the passwords again" and "hunter2" not in page
+    assert (
+        Tags(page).text["refused"] == "wrong & <bad>; choose the file again; enter the passwords again"
+        and "hunter2" not in page
+    )
 
 
 def test_the_forms_then_say_where_their_page_is():
@@ -152,13 +172,17 @@ def test_a_rejected_form_is_on_its_page_also_the_second_time(prof, server):
     ],
 )
 def test_otherwise_the_error_is_a_page(prof, server, referer):
-    """The form came from no page, from another server, from an address that is not HTML (one never ends) or lacks this form."""
+    """The form came from no page, from another server, from an address that is not HTML (one never ends) or
+    lacks this form.
+    """
     status, page = settings(prof, server, referer)
     assert status == 422 and "<h1>Invalid request</h1>" in page and "no time zone Mars/Phobos" in page
 
 
 def test_a_page_that_is_compressed_for_browsers_can_be_read(prof, server):
-    status, page = settings(prof, server, "{}/assignments/rigid-body/class/students", **{"Accept-Encoding": "gzip"})
+    status, page = settings(
+        prof, server, "{}/assignments/rigid-body/class/students", **{"Accept-Encoding": "gzip"}
+    )
     del prof.headers["Accept-Encoding"]
     assert status == 422 and "no time zone Mars/Phobos" in page
 
@@ -167,17 +191,26 @@ def test_an_expired_form_is_shown_again_with_a_new_token(prof, server):
     prof.headers["Referer"] = f"{server.url}/settings"
     status, page = prof.open("/settings", csrf="0" * 64, time_zone="Europe/Berlin")
     assert status == 403 and "this form has expired" in Tags(page).text["refused"]
-    assert Tags(page).of("time_zone")["value"] == "Europe/Berlin" and Tags(page).of("csrf")["value"] != "0" * 64
+    assert (
+        Tags(page).of("time_zone")["value"] == "Europe/Berlin" and Tags(page).of("csrf")["value"] != "0" * 64
+    )
 
 
 def test_programs_get_a_problem(prof, server, url):
-    headers = {"Referer": f"{server.url}/settings", "Authorization": f"Bearer {entered(url, 'prof', 'instructor')}"}
+    headers = {
+        "Referer": f"{server.url}/settings",
+        "Authorization": f"Bearer {entered(url, 'prof', 'instructor')}",
+    }
     status, received, _ = call(server, "/settings", b"time_zone=x", **headers)
     assert status == 403 and received["content-type"] == "application/problem+json"
 
 
 def test_only_pages_without_a_token_are_compressed(server, url):
     headers = {"Authorization": f"Bearer {entered(url, 'prof', 'instructor')}", "Accept-Encoding": "gzip"}
-    for path, compressed in (("students", True), ("submissions", True), ("submissions?check=2-energy", False)):
+    for path, compressed in (
+        ("students", True),
+        ("submissions", True),
+        ("submissions?check=2-energy", False),
+    ):
         status, received, _ = call(server, f"/assignments/rigid-body/class/{path}", **headers)
         assert (status, received["content-encoding"] == "gzip") == (200, compressed), path

@@ -1,4 +1,6 @@
-"""Pages that update themselves: one query a second for all of them, an event for each change, an end with the server."""
+"""Pages that update themselves: one query a second for all of them, an event for each change, an end with the
+server.
+"""
 
 import asyncio
 import itertools
@@ -10,7 +12,9 @@ from service.store.runs import PROGRESS
 
 
 def run_with_feed(action):
-    """Run ``action`` with a feed, a source whose ``value`` the feed shows and whose ``looks`` counts queries, and a listener."""
+    """Run ``action`` with a feed, a source whose ``value`` the feed shows and whose ``looks`` counts queries,
+    and a listener.
+    """
 
     async def main():
         counter, source = itertools.count(1), {"looks": 0, "value": "a"}

@@ -53,7 +53,9 @@ def test_a_made_up_method_makes_no_new_series():
 
 
 async def draws(scope, receive, send):
-    await send({"type": "http.response.start", "status": 200, "headers": [(b"content-type", b"image/svg+xml")]})
+    await send(
+        {"type": "http.response.start", "status": 200, "headers": [(b"content-type", b"image/svg+xml")]}
+    )
     await send({"type": "http.response.body", "body": b"<svg/>"})
 
 

@@ -81,8 +81,22 @@ OTHER = [
     ("POST", f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 201, b'{"reason": "r"}', {}),
     ("POST", f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 409, b'{"reason": "r"}', {}),
     ("POST", f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 422, b"{}", {}),
-    ("POST", ANSWER, "/v1/regrade-requests/{regrade_request}/answer", 200, b'{"status": "declined", "answer": "a"}', STAFF),
-    ("POST", ANSWER, "/v1/regrade-requests/{regrade_request}/answer", 409, b'{"status": "declined", "answer": "a"}', STAFF),
+    (
+        "POST",
+        ANSWER,
+        "/v1/regrade-requests/{regrade_request}/answer",
+        200,
+        b'{"status": "declined", "answer": "a"}',
+        STAFF,
+    ),
+    (
+        "POST",
+        ANSWER,
+        "/v1/regrade-requests/{regrade_request}/answer",
+        409,
+        b'{"status": "declined", "answer": "a"}',
+        STAFF,
+    ),
     ("POST", f"{OWN}/comments", f"{OWN}/comments", 403, COMMENT, {}),
     ("POST", f"{OWN}/comments", f"{OWN}/comments", 201, COMMENT, STAFF),
     ("DELETE", ONE_COMMENT, f"{OWN}/comments/{{comment}}", 204, None, STAFF),
@@ -107,7 +121,10 @@ def server(new_app, url):
 @pytest.fixture(scope="module")
 def ids(url):
     """Ann's graded submission with its pictures and a comment, one that waits, and a regrade request."""
-    picture = {"figures": [Picture("omega", "2", "ω", "ω(t)")], "animations": [Picture("spin", "2", "spin", "a spin")]}
+    picture = {
+        "figures": [Picture("omega", "2", "ω", "ω(t)")],
+        "animations": [Picture("spin", "2", "spin", "a spin")],
+    }
     id, (waiting, _) = graded(url, "ann", "+", **picture), submitted(url, "ann")
 
     async def store(database):
@@ -126,19 +143,27 @@ def test_every_route_returns_what_the_document_declares(server, document, ids, u
     authorization, staff = f"Bearer {entered(url, 'ann')}", f"Bearer {entered(url, 'prof', 'instructor')}"
     for method, route, path, status, body, headers in REQUESTS:
         path = path.format_map(ids)
-        headers = {"Authorization": authorization} | ({"Content_Type": "application/json"} if body else {}) | headers
+        headers = (
+            {"Authorization": authorization}
+            | ({"Content_Type": "application/json"} if body else {})
+            | headers
+        )
         headers |= {"Authorization": staff} if headers["Authorization"] == "staff" else {}
         answered, received, content = call(server, path, body, method, **headers)
         assert answered == status, (method, path, content[:300])
         declared = document["paths"][route][method.lower()]["responses"]
         assert str(status) in declared, (method, route, status)
         media = received.get("content-type", "").partition(";")[0]
-        assert ([media] if media else []) == [m for m in declared[str(status)].get("content", {}) if m == media], (method, path)
+        assert ([media] if media else []) == [
+            m for m in declared[str(status)].get("content", {}) if m == media
+        ], (method, path)
         assert bool(media) == bool(declared[str(status)].get("content")), (method, path)
         if media == PROBLEM_TYPE:
             kind = json.loads(content)["type"].removeprefix("urn:polhode:problem:")
             assert f"`{kind}`" in declared[str(status)]["description"], (method, path, kind)
-    operations = {(method.upper(), route) for route, methods in document["paths"].items() for method in methods}
+    operations = {
+        (method.upper(), route) for route, methods in document["paths"].items() for method in methods
+    }
     assert operations == {(method, route) for method, route, *_ in REQUESTS}
 
 
@@ -162,4 +187,6 @@ def test_the_document_has_the_body_of_a_submission_as_the_server_reads_it(server
     assert fields.keys() == examples.keys()
     headers = {"Authorization": f"Bearer {entered(url, 'dora')}", "Content_Type": "application/json"}
     assert call(server, f"{SLUG}/submissions", json.dumps(examples).encode(), **headers)[0] == 202
-    assert call(server, f"{SLUG}/submissions", json.dumps(examples | {"other": 1}).encode(), **headers)[0] == 422
+    assert (
+        call(server, f"{SLUG}/submissions", json.dumps(examples | {"other": 1}).encode(), **headers)[0] == 422
+    )

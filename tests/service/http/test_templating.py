@@ -18,9 +18,13 @@ def test_nothing_turns_what_stands_beside_it(control):
     value = f"<b>{control}x"
     assert shown("{{ v }}", v=value) == "&lt;b&gt;\ufffdx"
     assert shown('<a title="{{ v | truncate(9) }}">', v=value) == '<a title="&lt;b&gt;\ufffdx">'
-    assert shown("{{ v }}", v=Markup("<i>{}</i>").format(value)) == "<i>&lt;b&gt;\ufffdx</i>", "also in markup made elsewhere"
+    assert shown("{{ v }}", v=Markup("<i>{}</i>").format(value)) == "<i>&lt;b&gt;\ufffdx</i>", (
+        "also in markup made elsewhere"
+    )
     assert shown("{{ v }}", v=[value]).count("&lt;b&gt;") == 1 and control not in shown("{{ v }}", v=[value])
-    assert shown("{% macro m(w) %}<p>{{ w }}</p>{% endmacro %}{{ m(v) }}", v=value) == "<p>&lt;b&gt;\ufffdx</p>"
+    assert (
+        shown("{% macro m(w) %}<p>{{ w }}</p>{% endmacro %}{{ m(v) }}", v=value) == "<p>&lt;b&gt;\ufffdx</p>"
+    )
 
 
 def test_templates_escape_without_saying_so():
@@ -33,7 +37,8 @@ def test_templates_escape_without_saying_so():
 
 def test_all_else_is_as_it_was():
     assert (
-        shown("{{ a }} {{ b }} {{ c }} {{ d }}", a=1.5, b=None, c="שרה ŷ\u0307 ⏱", d=Markup("<i>")) == "1.5 None שרה ŷ\u0307 ⏱ <i>"
+        shown("{{ a }} {{ b }} {{ c }} {{ d }}", a=1.5, b=None, c="שרה ŷ\u0307 ⏱", d=Markup("<i>"))
+        == "1.5 None שרה ŷ\u0307 ⏱ <i>"
     )
     assert shown("{{ missing }}|") == "|"
 

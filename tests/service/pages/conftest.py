@@ -25,10 +25,14 @@ def looks(server, url):
         if at is not None:
             csrf = re.search(r'name="csrf" value="([0-9a-f]+)"', look(who, at)[1])
             fields = {"csrf": csrf[1] if csrf else "", **fields}
-            body, headers["Content-Type"] = multipart(fields, files) if files else (urllib.parse.urlencode(fields).encode(), FORM)
+            body, headers["Content-Type"] = (
+                multipart(fields, files) if files else (urllib.parse.urlencode(fields).encode(), FORM)
+            )
             headers["Origin"] = server.url
         try:
-            with urllib.request.urlopen(urllib.request.Request(server.url + path, body, headers), timeout=30) as answer:
+            with urllib.request.urlopen(
+                urllib.request.Request(server.url + path, body, headers), timeout=30
+            ) as answer:
                 return answer.status, answer.read().decode(), answer.headers
         except urllib.error.HTTPError as error:
             with error:
@@ -43,10 +47,13 @@ FORM = "application/x-www-form-urlencoded"
 def multipart(fields, files):
     boundary, parts = uuid.uuid4().hex, io.BytesIO()
     for name, value in fields.items():
-        parts.write(f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode())
+        parts.write(
+            f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode()
+        )
     for name, (filename, content) in files.items():
         parts.write(
-            f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"; filename="{filename}"\r\n\r\n'.encode() + content
+            f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"; filename="{filename}"\r\n\r\n'.encode()
+            + content
         )
         parts.write(b"\r\n")
     parts.write(f"--{boundary}--\r\n".encode())

@@ -46,7 +46,9 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
     assert first.open("/v1/me")[0] == 200 and other.open("/v1/me")[0] == 401, "other browsers are logged out"
     assert Browser(server).send("/login", name="ben", password=PASSWORD)[0] == 200
     assert sql(url, "SELECT password FROM person WHERE name = 'ben'")[0][0].startswith("$argon2id$")
-    assert first.send("/account/password", password=ANOTHER, again=ANOTHER)[0] == 401, "now the present one is asked for"
+    assert first.send("/account/password", password=ANOTHER, again=ANOTHER)[0] == 401, (
+        "now the present one is asked for"
+    )
     status, page = first.send("/account/password", present="wrong password", password=ANOTHER, again=ANOTHER)
     assert status == 401 and "the current password is wrong" in page and 'role="alert"' in page
     assert first.send("/account/password", present=PASSWORD, password=ANOTHER, again=ANOTHER)[0] == 200
@@ -66,7 +68,11 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
 def test_what_is_no_password_is_not_set(server, url, password, again, why):
     browser = Browser(server).log_in(token=entered(url, "ferdinand q"))
     status, page = browser.send("/account/password", password=password, again=again)
-    assert status == 422 and why in page and sql(url, "SELECT password FROM person WHERE name = 'ferdinand q'") == [(None,)]
+    assert (
+        status == 422
+        and why in page
+        and sql(url, "SELECT password FROM person WHERE name = 'ferdinand q'") == [(None,)]
+    )
 
 
 def test_a_password_is_the_same_however_its_letters_are_composed(server, url):
@@ -83,16 +89,28 @@ def test_one_token_or_session_is_revoked_and_never_somebody_elses(server, url):
     others = re.findall(r'name="id" value="([^"]+)"', page)
     assert len(others) == 3
     (id,) = sql(
-        url, "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' AND starts_with(prefix, 'polhode_')"
+        url,
+        "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' AND"
+        " starts_with(prefix, 'polhode_')",
     )[0]
     assert theirs.send("/account/revoke", id=str(id))[0] == 404 and phone.open("/v1/me")[0] == 200
-    assert browser.send("/account/revoke", id=str(id))[0] == 200 and Browser(server).send("/login", token=token)[0] == 401
-    assert browser.send("/account/revoke", id=str(id))[0] == 404 and browser.send("/account/revoke", id="x")[0] == 422
+    assert (
+        browser.send("/account/revoke", id=str(id))[0] == 200
+        and Browser(server).send("/login", token=token)[0] == 401
+    )
+    assert (
+        browser.send("/account/revoke", id=str(id))[0] == 404
+        and browser.send("/account/revoke", id="x")[0] == 422
+    )
     newest = sql(
-        url, "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' ORDER BY t.created_at DESC LIMIT 1"
+        url,
+        "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' ORDER BY t.created_at"
+        " DESC LIMIT 1",
     )
     assert browser.send("/account/revoke", id=str(newest[0][0]))[0] == 200 and phone.open("/v1/me")[0] == 401
-    assert sql(url, "SELECT subject FROM audit WHERE actor = 'hal' AND action = 'revoke token'")[0] == (str(id),)
+    assert sql(url, "SELECT subject FROM audit WHERE actor = 'hal' AND action = 'revoke token'")[0] == (
+        str(id),
+    )
 
 
 def test_logging_out_everywhere_ends_every_browser_and_no_token(server, url):
@@ -107,7 +125,9 @@ def test_logging_out_everywhere_ends_every_browser_and_no_token(server, url):
 def test_a_notebooks_token_changes_no_account(server, url):
     async def give(database):
         async with database.begin() as connection:
-            return await tokens.create(connection, "lea", label="a notebook", scopes=tokens.NOTEBOOK, seconds=1000.0)
+            return await tokens.create(
+                connection, "lea", label="a notebook", scopes=tokens.NOTEBOOK, seconds=1000.0
+            )
 
     notebook = Browser(server, Authorization=f"Bearer {run(url, give)}")
     status, page = notebook.send("/account/password", password=PASSWORD, again=PASSWORD)
@@ -125,12 +145,18 @@ def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
     browser = Browser(server).log_in(token=entered(url, "moe"))
     done = polhode("password", "moe", said=f"{PASSWORD}\n")
     assert done == (0, "the password of moe is set; all browser sessions of moe are logged out\n", "")
-    assert browser.open("/v1/me")[0] == 401 and Browser(server).send("/login", name="moe", password=PASSWORD)[0] == 200
+    assert (
+        browser.open("/v1/me")[0] == 401
+        and Browser(server).send("/login", name="moe", password=PASSWORD)[0] == 200
+    )
     assert "10 to 200" in polhode("password", "moe", said="short\n")[2]
     assert polhode("password", "nobody", said=PASSWORD) == (
-        1, "", "polhode: no person named nobody: add people with polhode roster or polhode token give --new\n",
+        1, "",
+        "polhode: no person named nobody: add people with polhode roster or polhode token give --new\n",
     )  # fmt: skip
-    assert sql(url, "SELECT subject FROM audit WHERE action = 'set password' AND subject = 'moe'") == [("moe",)]
+    assert sql(url, "SELECT subject FROM audit WHERE action = 'set password' AND subject = 'moe'") == [
+        ("moe",)
+    ]
 
 
 @pytest.mark.slow
@@ -138,8 +164,13 @@ def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
 def test_a_password_typed_at_a_terminal_is_not_shown(url, second, code):
     entered(url, name := f"ned {code}")
     terminal, end = pty.openpty()
-    command, environment = [sys.executable, "-m", "service.cli", "password", name], os.environ | {"POLHODE_DATABASE_URL": url}
-    started = subprocess.Popen(command, env=environment, stdin=end, stdout=end, stderr=end, start_new_session=True)
+    command, environment = (
+        [sys.executable, "-m", "service.cli", "password", name],
+        os.environ | {"POLHODE_DATABASE_URL": url},
+    )
+    started = subprocess.Popen(
+        command, env=environment, stdin=end, stdout=end, stderr=end, start_new_session=True
+    )
     shown = b""
     for prompt, typed in ((f"New password of {name}: ", ANOTHER), ("Repeat new password: ", second)):
         while not shown.endswith(prompt.encode()):

@@ -1,4 +1,6 @@
-"""The page of the API: all of the OpenAPI document is there, and its commands are requests that the server understands."""
+"""The page of the API: all of the OpenAPI document is there, and its commands are requests that the server
+understands.
+"""
 
 import json
 import re
@@ -61,7 +63,9 @@ def test_every_link_within_the_page_leads_somewhere(page):
 
 
 def test_the_commands_are_requests_that_the_server_understands(server, document, page, url):
-    """Words in capitals name no submission here, so a request may fail, but not because of its route, method or body."""
+    """Words in capitals name no submission here, so a request may fail, but not because of its route, method
+    or body.
+    """
     token = f"Bearer {entered(url, 'ann')}"
     commands = [shlex.split(unescape(one)) for one in re.findall(r">(curl [^<]+)</pre>", page)]
     assert len(commands) == sum(map(len, document["paths"].values()))

@@ -42,14 +42,20 @@ def test_a_request_its_answer_and_what_the_student_reads(browsers, page):
     status, shown = tutor.send(action, LIST, answer="no, see <i>here</i>", status="declined")
     assert status == 200 and tutor.at == f"{page}#regrade-requests"
     read = ann.open(page)[1]
-    assert "<b>Declined</b> by tutor" in read and "no, see &lt;i&gt;here&lt;/i&gt;" in read and "Request a regrade" in read
+    assert (
+        "<b>Declined</b> by tutor" in read
+        and "no, see &lt;i&gt;here&lt;/i&gt;" in read
+        and "Request a regrade" in read
+    )
     own = ann.open("/assignments/rigid-body")[1]
     assert f'<a href="{page}#regrade-requests">regrade request declined</a>' in own
     assert action not in tutor.open(LIST)[1] and "regrade request<" not in tutor.open("/")[1]
     assert "regrade request declined" in tutor.open(f"/audit?subject={page.rsplit('/', 1)[1]}")[1]
 
 
-@pytest.mark.parametrize(("fields", "message"), [({"reason": " "}, "enter the reason"), ({"reason": "x" * 2001}, "at most 2000")])
+@pytest.mark.parametrize(
+    ("fields", "message"), [({"reason": " "}, "enter the reason"), ({"reason": "x" * 2001}, "at most 2000")]
+)
 def test_a_reason_is_required(browsers, page, fields, message):
     status, shown = browsers["ann"].send(f"{page}/regrade-requests", page, **fields)
     assert status == 422 and message in shown
@@ -58,7 +64,10 @@ def test_a_reason_is_required(browsers, page, fields, message):
 def test_an_answer_is_a_decision_with_words(browsers, page):
     browsers["ann"].send(f"{page}/regrade-requests", page, reason=WHY)
     (action,) = re.findall(r'action="(/regrade-requests/[^"]+/answer)"', browsers["tutor"].open(page)[1])
-    for fields, message in (({"answer": "so"}, "accept or decline"), ({"answer": "", "status": "accepted"}, "enter the answer")):
+    for fields, message in (
+        ({"answer": "so"}, "accept or decline"),
+        ({"answer": "", "status": "accepted"}, "enter the answer"),
+    ):
         status, shown = browsers["tutor"].send(action, page, **fields)
         assert status == 422 and message in shown
 
@@ -74,7 +83,11 @@ def test_a_comment_stands_at_its_line_until_it_is_deleted(browsers, page):
     status, shown = tutor.send(f"{page}/comments", page, cell="1", line="2", comment=EVIL)
     assert status == 200 and tutor.at == f"{page}#line-1-2"
     read = ann.open(page)[1]
-    line = re.search(r'id="line-1-2" data-line="2">    return w\n</span><span class="comment"[^>]*>(.*?)<span', read, re.DOTALL)
+    line = re.search(
+        r'id="line-1-2" data-line="2">    return w\n</span><span class="comment"[^>]*>(.*?)<span',
+        read,
+        re.DOTALL,
+    )
     assert line[1].strip() == "why not &lt;script&gt;alert(1)&lt;/script&gt;?" and "/delete" not in read
     assert f'<a href="{page}#source">1 comment</a>' in ann.open("/assignments/rigid-body")[1]
     (action,) = re.findall(r'action="([^"]+/delete)"', shown)

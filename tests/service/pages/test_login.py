@@ -1,4 +1,6 @@
-"""Logging in and out with a browser: sessions, forms, passwords and how often they may be wrong, against a real server."""
+"""Logging in and out with a browser: sessions, forms, passwords and how often they may be wrong, against a
+real server.
+"""
 
 import json
 import re
@@ -34,7 +36,10 @@ def second(url):
 
 
 def sessions(url, name):
-    asked = "SELECT count(*) FROM token t JOIN person p ON p.id = t.person_id WHERE p.name = %s AND starts_with(prefix, 'session_')"
+    asked = (
+        "SELECT count(*) FROM token t JOIN person p ON p.id = t.person_id WHERE p.name = %s AND"
+        " starts_with(prefix, 'session_')"
+    )
     return sql(url, asked + " AND revoked_at IS NULL", name)[0][0]
 
 
@@ -48,7 +53,9 @@ def test_a_password_logs_in_and_leads_back_to_where_they_were_going(server, url)
     browser = Browser(server)
     browser.open("/assignments/rigid-body?x=1")
     assert browser.at == "/login?next=/assignments/rigid-body%3Fx%3D1"
-    status, page = browser.send("/login", browser.at, name=" ann ", password=PASSWORD, next="/assignments/rigid-body?x=1")
+    status, page = browser.send(
+        "/login", browser.at, name=" ann ", password=PASSWORD, next="/assignments/rigid-body?x=1"
+    )
     assert status == 200 and browser.at == "/assignments/rigid-body?x=1" and "ann" in page
     assert sql(url, "SELECT action, subject FROM audit WHERE actor = 'ann'") == [("log in", "ann")]
 
@@ -75,11 +82,17 @@ def test_cookies_are_for_this_server_and_no_script(server, url):
             continue
         browser.open("/login", csrf=HIDDEN.search(page)[1], token=token)
         cookie = browser.cookie("polhode_session")
-        assert cookie.has_nonstandard_attr("HttpOnly") and cookie.get_nonstandard_attr("SameSite") == "lax" and not cookie.secure
+        assert (
+            cookie.has_nonstandard_attr("HttpOnly")
+            and cookie.get_nonstandard_attr("SameSite") == "lax"
+            and not cookie.secure
+        )
         assert abs(cookie.expires - time.time() - 12 * 3600) < 60 and browser.cookie("polhode_visit") is None
         secret = cookie.value.split(".")[0]
         assert secret.startswith("session_") and secret not in str(sql(url, "SELECT t::text FROM token t"))
-        assert Browser(server, Authorization=f"Bearer {secret}").open("/v1/me")[0] == 401, "a session is no token"
+        assert Browser(server, Authorization=f"Bearer {secret}").open("/v1/me")[0] == 401, (
+            "a session is no token"
+        )
 
 
 def test_a_forged_cookie_is_nobodys_and_costs_no_query(server, url):
@@ -132,7 +145,10 @@ def test_logging_out_holds_on_every_server(server, second, url):
     assert ">eda</dd>" in elsewhere.open("/account")[1]
     status, page = browser.send("/logout", "/account")
     assert (
-        status == 200 and "You are logged out" in page and browser.cookie("polhode_session") is None and sessions(url, "eda") == 0
+        status == 200
+        and "You are logged out" in page
+        and browser.cookie("polhode_session") is None
+        and sessions(url, "eda") == 0
     )
 
 
@@ -148,7 +164,9 @@ def test_forms_without_their_token_are_refused_also_before_login(server, url):
     page = theirs.open("/login")[1]
     assert mine.open("/login", token=token)[0] == 403, "no token, no visit"
     mine.open("/login")
-    assert mine.open("/login", token=token, csrf=HIDDEN.search(page)[1])[0] == 403, "the token of another visit"
+    assert mine.open("/login", token=token, csrf=HIDDEN.search(page)[1])[0] == 403, (
+        "the token of another visit"
+    )
     assert mine.send("/login", origin="https://evil.example", token=token)[0] == 403
     assert sessions(url, "gus") == 0
     mine.log_in(token=token)
@@ -165,7 +183,10 @@ def test_forms_without_their_token_are_refused_also_before_login(server, url):
 def test_who_is_at_home_alone_still_needs_the_token_of_the_form(new_app, database_url):
     server = new_app(database_url=database_url, identity="local")
     browser = Browser(server)
-    assert "no login is needed" in browser.open("/login")[1] and "no account is needed" in browser.open("/account")[1]
+    assert (
+        "no login is needed" in browser.open("/login")[1]
+        and "no account is needed" in browser.open("/account")[1]
+    )
     status, page = browser.open("/account/logout-everywhere", x="1")
     assert status == 403 and "this form has expired" in page
 
@@ -173,15 +194,21 @@ def test_who_is_at_home_alone_still_needs_the_token_of_the_form(new_app, databas
 def test_wrong_names_and_passwords_get_one_answer_for_as_much_work(server, url, monkeypatch):
     entered(url, "hal", password=PASSWORD), entered(url, "ida")
     checked, matches = [], passwords.matches
-    monkeypatch.setattr(passwords, "matches", lambda kept, guess: checked.append(guess) or matches(kept, guess))
+    monkeypatch.setattr(
+        passwords, "matches", lambda kept, guess: checked.append(guess) or matches(kept, guess)
+    )
     answers = set()
     for name in ("hal", "ida", "nobody at all", "\x07", "hal' --"):
         browser = from_address(server, "10.9.0.1")
         browser.open("/login")
         page = browser.open("/login")[1]
-        status, told = browser.open("/login", csrf=HIDDEN.search(page)[1], name=name, password=f"wrong for {name}")
+        status, told = browser.open(
+            "/login", csrf=HIDDEN.search(page)[1], name=name, password=f"wrong for {name}"
+        )
         assert status == 401 and "name or password is wrong" in told and 'role="alert"' in told, name
-        assert checked.pop() == f"wrong for {name}" and not checked, "one computation for each, see test_passwords"
+        assert checked.pop() == f"wrong for {name}" and not checked, (
+            "one computation for each, see test_passwords"
+        )
         answers.add(re.search(r'role="alert".*?</p>', told, re.DOTALL)[0])
     assert len(answers) == 1
     assert PASSWORD not in server.log.read_text() and "wrong for" not in server.log.read_text()
@@ -190,23 +217,34 @@ def test_wrong_names_and_passwords_get_one_answer_for_as_much_work(server, url, 
 def test_an_empty_login_says_what_to_enter(server):
     browser = from_address(server, "10.9.0.3")
     status, told = browser.open("/login", csrf=HIDDEN.search(browser.open("/login")[1])[1])
-    assert status == 401 and "enter your name and password, or a token from your course" in told and "ecp.login" not in told
+    assert (
+        status == 401
+        and "enter your name and password, or a token from your course" in told
+        and "ecp.login" not in told
+    )
 
 
 def test_guessing_is_stopped_for_the_name_and_for_nobody_else(server, url):
     entered(url, "jon", password=PASSWORD), entered(url, "kim", password=PASSWORD)
     own = from_address(server, "10.1.0.1").log_in(name="jon", password=PASSWORD)  # his own browser
     own.send("/logout")
-    statuses = [from_address(server, f"10.2.{n}.1").send("/login", name="jon", password=f"guess number {n}")[0] for n in range(12)]
+    statuses = [
+        from_address(server, f"10.2.{n}.1").send("/login", name="jon", password=f"guess number {n}")[0]
+        for n in range(12)
+    ]
     assert statuses == [401] * 10 + [429] * 2
     guesser = from_address(server, "10.2.0.1")
     status, page = guesser.send("/login", name="jon", password=PASSWORD)
     assert status == 429 and 0 < int(guesser.answer["retry-after"]) <= 15 * 60
     assert re.search(r"too many failed logins: wait 1[0-5] minutes, or log in with the token", page)
     assert own.send("/login", name="jon", password=PASSWORD)[0] == 200, "where he has logged in before"
-    assert from_address(server, "10.3.0.1").send("/login", token=entered(url, "jon"))[0] == 200, "and anywhere with a token"
+    assert from_address(server, "10.3.0.1").send("/login", token=entered(url, "jon"))[0] == 200, (
+        "and anywhere with a token"
+    )
     assert guesser.send("/login", name="kim", password=PASSWORD)[0] == 200, "others as ever"
-    status, problem = from_address(server, "10.3.0.2", Accept="application/json").send("/login", name="jon", password=PASSWORD)
+    status, problem = from_address(server, "10.3.0.2", Accept="application/json").send(
+        "/login", name="jon", password=PASSWORD
+    )
     assert status == 429 and json.loads(problem)["type"] == "urn:polhode:problem:too-many"
 
 
@@ -214,7 +252,9 @@ def test_a_known_browser_may_not_guess_forever_either(server, url):
     entered(url, "lea", password=PASSWORD)
     own = from_address(server, "10.4.0.1").log_in(name="lea", password=PASSWORD)
     own.send("/logout")
-    assert [own.send("/login", name="lea", password="wrong password")[0] for _ in range(11)] == [401] * 10 + [429]
+    assert [own.send("/login", name="lea", password="wrong password")[0] for _ in range(11)] == [401] * 10 + [
+        429
+    ]
     assert from_address(server, "10.4.0.1").send("/login", name="lea", password=PASSWORD)[0] == 200
 
 

@@ -17,19 +17,31 @@ def url(postgres):
     url = new_database(postgres.url, "polhode")
 
     async def fill(database):
-        roster = [("prof", "instructor"), ("helper", "assistant"), ("zoe", "student", "Zoe <b>Adams</b>"), ("gone", "former")]
+        roster = [
+            ("prof", "instructor"),
+            ("helper", "assistant"),
+            ("zoe", "student", "Zoe <b>Adams</b>"),
+            ("gone", "former"),
+        ]
         async with database.begin() as connection:
             await people.enroll(connection, [*roster, ("ben", "student", "Ben Ek", "ben@x.org", "0042")])
         first = await hand_in(database, "ben", {"2-energy": "✓", "2-momentum": "✗"}, filename="energy.py")
         await hand_in(database, "ben", {"2-energy": "✗", "2-momentum": "✗"}, filename="later.py")
         await hand_in(database, NAME, None)
-        await overrides.give(database, first, "prof", check="2-momentum", points=1, reason="a typing error", seen=0)
+        await overrides.give(
+            database, first, "prof", check="2-momentum", points=1, reason="a typing error", seen=0
+        )
         return first
 
     sent = run(url, fill)
-    sql(url, "UPDATE assignment SET due_at = '2099-01-01T12:00Z', submission_limit = 5 WHERE slug = 'rigid-body'")
+    sql(
+        url,
+        "UPDATE assignment SET due_at = '2099-01-01T12:00Z', submission_limit = 5 WHERE slug = 'rigid-body'",
+    )
     later = sql(url, "SELECT timestamptz '2099-02-01T12:00Z'")[0][0]
-    extend = lambda database: deadlines.extend(database, "rigid-body", "ben", later, reason="was ill", by="prof")  # noqa: E731
+    extend = lambda database: deadlines.extend(
+        database, "rigid-body", "ben", later, reason="was ill", by="prof"
+    )  # noqa: E731
     assert run(url, extend)
     sql(url, "INSERT INTO secret VALUES ('test', %s)", str(sent))
     return url
@@ -42,11 +54,21 @@ def test_a_roster_enters_people_and_may_give_tokens(looks, url):
     assert status == 200 and "<b>2</b> new" in page and "Fay Ønskov" in page
     assert sql(url, "SELECT count(*) FROM person WHERE name = 'fay'") == [(0,)]
     assert looks("prof", "/people", at="/people", **given)[:2][0] == 200
-    assert "✓ Imported 2 people." in looks("prof", "/people?entered=2")[1] and "Fay Ønskov" in looks("prof", "/people")[1]
+    assert (
+        "✓ Imported 2 people." in looks("prof", "/people?entered=2")[1]
+        and "Fay Ønskov" in looks("prof", "/people")[1]
+    )
     status, told, headers = looks("prof", "/people", at="/people", tokens="yes", **given)
     lines = told.splitlines()
-    assert status == 200 and headers["content-disposition"] == 'attachment; filename="tokens.csv"' and len(lines) == 3
-    assert lines[1].startswith("fay,polhode_") and sql(url, "SELECT count(*) FROM audit WHERE action = 'roster'")[0][0] == 2
+    assert (
+        status == 200
+        and headers["content-disposition"] == 'attachment; filename="tokens.csv"'
+        and len(lines) == 3
+    )
+    assert (
+        lines[1].startswith("fay,polhode_")
+        and sql(url, "SELECT count(*) FROM audit WHERE action = 'roster'")[0][0] == 2
+    )
     sql(url, "DELETE FROM token WHERE label = 'issued with the roster'")
     sql(url, "DELETE FROM member USING person p WHERE p.id = person_id AND p.name IN ('fay', '=1+1')")
 
@@ -81,11 +103,18 @@ def test_a_preview_shows_what_an_import_changes_and_imports_it(looks, url):
     page = looks("prof", "/people/preview", at="/people", **preview)[1]
     assert "<option selected>Email</option>" in page and "<b>2</b> new, <b>0</b> changed" in page
     shown = unescape(re.search(r'name="content" value="([^"]*)"', page)[1])
-    page = looks("prof", "/people/preview", at="/people", file="g.csv", content=shown, login="email, the part before @")[1]
-    assert "<b>1</b> new, <b>1</b> changed and <b>0</b> unchanged" in page and "<s>ben@x.org</s> ben@new.org" in page
+    page = looks(
+        "prof", "/people/preview", at="/people", file="g.csv", content=shown, login="email, the part before @"
+    )[1]
+    assert (
+        "<b>1</b> new, <b>1</b> changed and <b>0</b> unchanged" in page
+        and "<s>ben@x.org</s> ben@new.org" in page
+    )
     assert "Zoe &lt;b&gt;Adams&lt;/b&gt;</a>" in page.partition("not in the file and stay")[2]
     assert sql(url, "SELECT email FROM person WHERE name = 'ben'") == [("ben@x.org",)]
-    status, page, _ = looks("prof", "/people", at="/people", file="g.csv", content=shown, login="email, the part before @")
+    status, page, _ = looks(
+        "prof", "/people", at="/people", file="g.csv", content=shown, login="email, the part before @"
+    )
     assert status == 200 and "✓ Imported 2 people." in page
     assert sql(url, "SELECT name, email FROM person WHERE name IN ('ben', 'ivy') ORDER BY 1") == [
         ("ben", "ben@new.org"), ("ivy", "ivy@x.org")]  # fmt: skip
@@ -97,12 +126,23 @@ def test_a_page_of_a_person(looks, url):
     """Assignments with points and the own deadline, all submissions, overrides, and the students beside."""
     status, page, _ = looks("helper", "/person?name=ben")
     assert status == 200 and "<h1>Ben Ek</h1>" in page and "0042" in page and "ben@x.org" in page
-    (row,) = re.findall(r"<tr><th scope=\"row\"><a href=\"/assignments/rigid-body/class\">.*?</tr>", page, re.DOTALL)
+    (row,) = re.findall(
+        r"<tr><th scope=\"row\"><a href=\"/assignments/rigid-body/class\">.*?</tr>", page, re.DOTALL
+    )
     ((best,),) = sql(url, "SELECT value FROM secret WHERE name = 'test'")
-    assert f'<a href="/submissions/{best}">2</a> of 36 + 6 bonus, overridden' in row and "<td>2 of 5</td>" in row
+    assert (
+        f'<a href="/submissions/{best}">2</a> of 36 + 6 bonus, overridden' in row and "<td>2 of 5</td>" in row
+    )
     assert 'datetime="2099-02-01T12:00:00+00:00"' in row and "was ill" in row
-    assert page.index("later.py") < page.index("energy.py") and "2: |L| conserved" in page and "a typing error" in page
-    assert looks("helper", "/person?name=prof")[0] == 200 and 'rel="prev"' not in looks("helper", "/person?name=prof")[1]
+    assert (
+        page.index("later.py") < page.index("energy.py")
+        and "2: |L| conserved" in page
+        and "a typing error" in page
+    )
+    assert (
+        looks("helper", "/person?name=prof")[0] == 200
+        and 'rel="prev"' not in looks("helper", "/person?name=prof")[1]
+    )
 
 
 def test_next_and_previous_lead_through_the_class(looks):

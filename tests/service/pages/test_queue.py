@@ -1,4 +1,6 @@
-"""The live queue with a real worker: an endless loop is seen, cancelled, and its worker grades the next one at once."""
+"""The live queue with a real worker: an endless loop is seen, cancelled, and its worker grades the next one
+at once.
+"""
 
 import itertools
 import json
@@ -21,7 +23,10 @@ from tests.support.waiting import wait_for
 
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 # It answers the questions one by one and goes round for ever in the first motion, whose budget is 12 s.
-LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n"
+LOOP = (
+    GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n")
+    + "calls = []\n"
+)
 LOADING = "while True:\n    pass\n" + GOOD
 
 
@@ -60,7 +65,8 @@ def post(server, person, source):
     body = json.dumps({"source": source, "exercises": ["2"]}).encode()
     headers = {"Content-Type": "application/json", "Authorization": f"Bearer {person.token}"}
     with urllib.request.urlopen(
-        urllib.request.Request(f"{server.url}/v1/assignments/rigid-body/submissions", body, headers), timeout=30
+        urllib.request.Request(f"{server.url}/v1/assignments/rigid-body/submissions", body, headers),
+        timeout=30,
     ) as answer:
         return json.load(answer)["id"]
 
@@ -71,7 +77,8 @@ def grading_of(url, id):
 
 def runs(url, id):
     query = (
-        "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s AND ended_at IS NULL AND phase = 'playing'"
+        "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s AND ended_at IS NULL"
+        " AND phase = 'playing'"
     )
     return sql(url, query, id)
 
@@ -85,12 +92,23 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     following = people["tutor"].follow("/queue/events")
     page = wait_for(lambda: (p := people["tutor"].open("/queue")[1]).count("possibly an endless loop") and p)
     assert re.search(r"⏱ \d+ s in one scene", page)
-    assert f"/submissions/{loop}" in page and f"/submissions/{good}" in page and "Waiting: 1" in page and "Running: 1" in page
+    assert (
+        f"/submissions/{loop}" in page
+        and f"/submissions/{good}" in page
+        and "Waiting: 1" in page
+        and "Running: 1" in page
+    )
     assert 'data-live="/queue/events"' in page and "<noscript>" in page and before[0][0] in page
     began = time.monotonic()
     assert people["tutor"].send(f"/queue/{grading_of(url, loop)}/cancel", "/queue") == (303, "/queue")
-    assert f"/submissions/{good}" in people["tutor"].open("/queue")[1]  # at once: no answer older than what was done
-    wait_for(lambda: sql(url, "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s", good))
+    assert (
+        f"/submissions/{good}" in people["tutor"].open("/queue")[1]
+    )  # at once: no answer older than what was done
+    wait_for(
+        lambda: sql(
+            url, "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s", good
+        )
+    )
     taken = time.monotonic() - began
     assert taken < 5.0, f"the worker was free after {taken:.1f} s"
     wait_for(lambda: people["ben"].json(f"/v1/submissions/{good}")["status"] == "graded", 10)
@@ -102,7 +120,9 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
         None,
     )
     assert "Cancelled by tutor. It does not count" in people["ann"].open(f"/submissions/{loop}")[1]
-    assert sql(url, "SELECT name, zygote_restarts FROM worker") == before, "the same worker with the same warm guest"
+    assert sql(url, "SELECT name, zygote_restarts FROM worker") == before, (
+        "the same worker with the same warm guest"
+    )
     scene_ends = "SELECT end_reason FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s"
     assert sql(url, scene_ends, loop) == [("cancelled",)] and sql(url, scene_ends, good) == [("finished",)]
     sql(url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
@@ -122,7 +142,9 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     )
 
 
-def test_a_loop_outside_of_every_function_and_what_waits_can_be_cancelled_and_tried_again(server, url, people, worker):
+def test_a_loop_outside_of_every_function_and_what_waits_can_be_cancelled_and_tried_again(
+    server, url, people, worker
+):
     loop = post(server, people["ann"], LOADING)
     wait_for(lambda: sql(url, "SELECT 1 FROM run WHERE ended_at IS NULL"))
     waiting = post(server, people["ann"], GOOD)
@@ -158,7 +180,11 @@ def test_students_are_kept_out(server, url, people):
         assert status == 403 and "only course staff" in page, path
     sent = post(server, people["ben"], LOOP)  # a worker may have started it already, and cannot finish it
     assert people["tutor"].send(f"/queue/{grading_of(url, sent)}/cancel", "/account")[0] == 303
-    for path in (f"/queue/{grading_of(url, sent)}/cancel", f"/queue/{sent}/retry", "/assignments/rigid-body/regrades"):
+    for path in (
+        f"/queue/{grading_of(url, sent)}/cancel",
+        f"/queue/{sent}/retry",
+        "/assignments/rigid-body/regrades",
+    ):
         assert ann.send(path, "/")[0] == 403, path
     assert people["prof"].send(f"/queue/{sent}/retry", "/audit")[0] == 403, "without the token of a form"
 
@@ -166,9 +192,13 @@ def test_students_are_kept_out(server, url, people):
 def test_people_have_their_names_beside_their_login_names(server, url, people):
     sql(url, "UPDATE person SET full_name = 'Ben Ængström' WHERE name = 'ben'")
     sent = post(server, people["ben"], LOOP)
-    named = re.compile(f'<a href="/submissions/{sent}">Ben Ængström</a> <span class="quiet">ben</span>, rigid-body')
+    named = re.compile(
+        f'<a href="/submissions/{sent}">Ben Ængström</a> <span class="quiet">ben</span>, rigid-body'
+    )
     open_page = people["tutor"].open("/queue")[1]
-    assert len(named.findall(open_page)) == 1 and 'aria-label="Cancel the grading of Ben Ængström"' in open_page
+    assert (
+        len(named.findall(open_page)) == 1 and 'aria-label="Cancel the grading of Ben Ængström"' in open_page
+    )
     assert people["tutor"].send(f"/queue/{grading_of(url, sent)}/cancel", "/queue")[0] == 303
     failed = people["tutor"].open("/queue")[1].partition('id="faults"')[2]
     assert named.search(failed) and 'aria-label="Retry grading the submission of Ben Ængström"' in failed
@@ -178,16 +208,24 @@ def test_people_have_their_names_beside_their_login_names(server, url, people):
 def test_a_regrade_by_a_real_worker(server, url, people, worker):
     sent = post(server, people["ben"], GOOD)
     wait_for(lambda: people["ben"].json(f"/v1/submissions/{sent}")["status"] == "graded")
-    count = sql(url, "SELECT count(DISTINCT person_id) FROM submission JOIN grading a ON a.submission_id = submission.id "
+    count = sql(url,
+        "SELECT count(DISTINCT person_id) FROM submission JOIN grading a ON a.submission_id = submission.id "
                 "JOIN result r ON r.grading_id = a.id WHERE report IS NOT NULL")[0][0]  # fmt: skip
-    status, where = people["tutor"].send("/assignments/rigid-body/regrades", "/assignments/rigid-body/regrades", which="all")
+    status, where = people["tutor"].send(
+        "/assignments/rigid-body/regrades", "/assignments/rigid-body/regrades", which="all"
+    )
     assert status == 303 and where.startswith("/regrades/")
     following = people["tutor"].follow(f"{where}/events")
     page = wait_for(lambda: f"{count} of {count} graded" in (p := people["tutor"].open(where)[1]) and p)
-    assert f"0 gain, 0 lose, {count} keep their points" in page and "Most frequently changed checks" not in page
+    assert (
+        f"0 gain, 0 lose, {count} keep their points" in page and "Most frequently changed checks" not in page
+    )
     wait_for(lambda: len(following.events) >= 1)
     following.close()
-    assert people["tutor"].send(f"{where}/apply", where)[0] == 403 and "Only an instructor can apply the regrade" in page
+    assert (
+        people["tutor"].send(f"{where}/apply", where)[0] == 403
+        and "Only an instructor can apply the regrade" in page
+    )
     assert people["prof"].send(f"{where}/apply", where) == (303, where)
     dropped = people["prof"].send(f"{where}/drop", "/assignments/rigid-body/regrades")
     assert dropped == (409, "prof has already applied this regrade: reload the page")

@@ -1,4 +1,6 @@
-"""The page of one submission: failing lines, motions, timeline and difference, who sees what; a stranger's text stays text."""
+"""The page of one submission: failing lines, motions, timeline and difference, who sees what; a stranger's
+text stays text.
+"""
 
 import html.parser
 import io
@@ -37,7 +39,9 @@ def send(server, url, sandbox):
 
     def sent(token, source, filename="mine.py", exercises=("2",)):
         body = {"source": source, "filename": filename, "exercises": list(exercises)}
-        status, _, told = call(server, SLUG, token, json.dumps(body).encode(), Content_Type="application/json")
+        status, _, told = call(
+            server, SLUG, token, json.dumps(body).encode(), Content_Type="application/json"
+        )
         assert status == 202, told
         id = json.loads(told)["id"]
         run(url, lambda database: grade_really(database, id, sandbox, {"grade": 1000.0, "pack": 10.0}))
@@ -55,7 +59,10 @@ def ann(url):
 
 @pytest.fixture(scope="module")
 def prof(url):
-    run(url, inside(lambda connection: people.enroll(connection, [("prof", "instructor"), ("tina", "assistant")])))
+    run(
+        url,
+        inside(lambda connection: people.enroll(connection, [("prof", "instructor"), ("tina", "assistant")])),
+    )
     return token(url, "prof")
 
 
@@ -68,13 +75,24 @@ def inside(action):
 
 
 def token(url, name):
-    return run(url, inside(lambda connection: tokens.create(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)))
+    return run(
+        url,
+        inside(
+            lambda connection: tokens.create(
+                connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0
+            )
+        ),
+    )
 
 
 def call(server, path, token, body=None, **headers):
-    given = {"Authorization": f"Bearer {token}", "Accept": "text/html"} | {k.replace("_", "-"): v for k, v in headers.items()}
+    given = {"Authorization": f"Bearer {token}", "Accept": "text/html"} | {
+        k.replace("_", "-"): v for k, v in headers.items()
+    }
     try:
-        with urllib.request.urlopen(urllib.request.Request(server.url + path, body, given), timeout=90) as answer:
+        with urllib.request.urlopen(
+            urllib.request.Request(server.url + path, body, given), timeout=90
+        ) as answer:
             return answer.status, answer.headers, answer.read().decode()
     except urllib.error.HTTPError as error:
         with error:
@@ -88,7 +106,10 @@ def page(server, token, sent):
 
 
 def notebook(*sources):
-    made = [{"cell_type": "code", "source": s, "metadata": {}, "outputs": [], "execution_count": None} for s in sources]
+    made = [
+        {"cell_type": "code", "source": s, "metadata": {}, "outputs": [], "execution_count": None}
+        for s in sources
+    ]
     text = {"cell_type": "markdown", "source": ["# raise here"], "metadata": {}}
     return json.dumps({"cells": [text, *made], "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
 
@@ -96,38 +117,54 @@ def notebook(*sources):
 def marked(told):
     """(class, id, line, words of the marks) of the lines that have a mark."""
     found = re.findall(r'<span class="([a-z-]+)" id="(line-\d+-\d+)" data-line="(\d+)">(.*?)</span>', told)
-    return [(kind, id, int(line), re.findall(r'href="#(end-\d+)">◀ ([^<]*)<', rest)) for kind, id, line, rest in found]
+    return [
+        (kind, id, int(line), re.findall(r'href="#(end-\d+)">◀ ([^<]*)<', rest))
+        for kind, id, line, rest in found
+    ]
 
 
 def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann, send):
     source = "A = '\x0c'  # a form feed begins no line\n\n\ndef deeper(w):\n    return w['no']\n\n\n"
     source += "def euler_eqs(t, w, I):\n    return deeper(w)\n"
     told = page(server, ann, send(ann, source))
-    (deep, way) = marked(told)
+    deep, way = marked(told)
     assert deep[:3] == ("failing", "line-1-5", 5) and way[:3] == ("caller", "line-1-9", 9)
     ((scene_end, words),) = deep[3]
     assert words.startswith("raised here: IndexError: only integers") and f'id="{scene_end}"' in told
-    assert '<a href="#line-1-5">submission.py, line 5</a>' in told and way[3][0][1].startswith("called from here: IndexError")
+    assert '<a href="#line-1-5">submission.py, line 5</a>' in told and way[3][0][1].startswith(
+        "called from here: IndexError"
+    )
 
 
 def test_in_a_notebook_the_line_of_the_right_cell_is_marked(server, ann, send):
-    sent = send(ann, notebook("a = 1\nb = 2", "def euler_eqs(t, w, I):\n    return w / a.b", "def (:\n    pass"), "mine.ipynb")
+    sent = send(
+        ann,
+        notebook("a = 1\nb = 2", "def euler_eqs(t, w, I):\n    return w / a.b", "def (:\n    pass"),
+        "mine.ipynb",
+    )
     told = page(server, ann, sent)
     assert "<h3>cell 1</h3>" in told and "3 cells" in told
-    ((_, second, _, raised), (_, third, _, syntax)) = marked(told)
+    (_, second, _, raised), (_, third, _, syntax) = marked(told)
     assert (second, third) == ("line-2-2", "line-3-1")
     assert "AttributeError" in raised[0][1] and "SyntaxError" in syntax[0][1]
 
 
 def test_a_line_is_counted_as_python_counts_it_and_only_frames_are_believed():
     source = "a = 1\r\nb = 2\rc = 3\x0b\u2028 # still 3\n\x0cd = 4\n\n"
-    forged = '  File "submission.py", line 4, in f\n    d = 4\nValueError: x\n  File "submission.py", line 1, in g\n'
+    forged = (
+        '  File "submission.py", line 4, in f\n    d = 4\nValueError: x\n  File "submission.py", line 1,'
+        " in g\n"
+    )
     scene_end = SceneEnd("probes", Ended.RAISED, "ValueError: x", "raises", forged)
     (cell,) = cells(Submission(source), [scene_end])
     assert [line.number for line in cell.lines if line.marks] == [4] and len(cell.lines) == 5
     assert cell.lines[2].text == "c = 3\ufffd\ufffd # still 3" and cell.lines[3].text == "\ufffdd = 4"
     far = SceneEnd(
-        "probes", Ended.RAISED, "x", "raises", f'  File "submission.py", line {10**30}, in f\n  File "/etc/passwd", line 1'
+        "probes",
+        Ended.RAISED,
+        "x",
+        "raises",
+        f'  File "submission.py", line {10**30}, in f\n  File "/etc/passwd", line 1',
     )
     assert not [line for cell in cells(Submission(source), [far]) for line in cell.lines if line.marks]
     assert source_locations(SceneEnd("film", Ended.TIMED_OUT, "too slow")) == []
@@ -136,7 +173,13 @@ def test_a_line_is_counted_as_python_counts_it_and_only_frames_are_believed():
 def test_a_long_source_is_shown_in_part_and_its_marked_line_always():
     long = Submission("\n".join(f"x{k} = {k}" for k in range(9000)))
     assert [(len(c.lines), c.left_out) for c in cells(long, [])] == [(MOST_LINES, 9000 - MOST_LINES)]
-    raised = SceneEnd("submission.py", Ended.RAISED, "E: e", "raises", '  File "submission.py", line 8000, in <module>\nE: e\n')
+    raised = SceneEnd(
+        "submission.py",
+        Ended.RAISED,
+        "E: e",
+        "raises",
+        '  File "submission.py", line 8000, in <module>\nE: e\n',
+    )
     (cell,) = cells(long, [raised])
     assert cell.lines[-1].number == 8000 and cell.lines[-1].marks and cell.left_out == 1000
 
@@ -149,15 +192,24 @@ def test_the_exact_motion_and_the_students_own(server, ann, rigid_body, send):
             path = f"/submissions/{sent['id']}/motions/{name}.json"
             assert f'data-motion="{path}"' in page(server, ann, sent)
             status, headers, body = call(server, path, ann)
-            assert status == 200 and headers["content-type"] == "application/json" and len(body.encode()) <= MOST_BYTES
+            assert (
+                status == 200
+                and headers["content-type"] == "application/json"
+                and len(body.encode()) <= MOST_BYTES
+            )
             assert call(server, path, ann, If_None_Match=headers["etag"])[0] == 304
             told[sent["id"]] = json.loads(body)
         exact, reverse = told[right["id"]], told[wrong["id"]]
         truth = rigid_body.scene(scene).truth(rigid_body.scene(scene).inputs)
         assert np.abs(matrices(exact["exact"], exact["scale"]) - at(truth, exact["t"])).max() < 4e-4
         assert exact["yours"] == exact["exact"] == reverse["exact"] != reverse["yours"]
-        assert exact["told"] == ["Never more than 0.00001° apart."] and re.search(r"by \d+(\.\d+)?°", reverse["told"][0])
-        assert len(exact["t"]) == min(motion_data.FRAMES, len(truth["t"])) and abs(np.linalg.norm(exact["L"]) - 1) < 1e-3
+        assert exact["told"] == ["Never more than 0.00001° apart."] and re.search(
+            r"by \d+(\.\d+)?°", reverse["told"][0]
+        )
+        assert (
+            len(exact["t"]) == min(motion_data.FRAMES, len(truth["t"]))
+            and abs(np.linalg.norm(exact["L"]) - 1) < 1e-3
+        )
     assert call(server, f"/submissions/{right['id']}/motions/nope.json", ann)[0] == 404
     assert call(server, f"/submissions/{uuid.uuid4()}/motions/tumble.json", ann)[0] == 404
 
@@ -205,15 +257,26 @@ def test_what_is_no_rotation_is_said_and_not_shown(rigid_body, kind, frames, wor
     scene, asked = rigid_body.scene("precession"), motion_data.find(rigid_body, "precession")
     R = spoilt(scene.truth(scene.inputs)["R"], kind)
     told = json.loads(motion_data.to_json(rigid_body, asked, {"R": R}, 3))
-    assert len(told["yours"]) == 4 * frames and len(told["exact"]) == 4 * 80 and words in " ".join(told["told"])
+    assert (
+        len(told["yours"]) == 4 * frames and len(told["exact"]) == 4 * 80 and words in " ".join(told["told"])
+    )
 
 
 @pytest.mark.parametrize(
-    "R", [None, np.zeros((3, 3)), np.zeros((80, 3, 3), complex), np.zeros((80, 9)), np.zeros((80, 3, 3), np.uint8)]
+    "R",
+    [
+        None,
+        np.zeros((3, 3)),
+        np.zeros((80, 3, 3), complex),
+        np.zeros((80, 9)),
+        np.zeros((80, 3, 3), np.uint8),
+    ],
 )
 def test_arrays_that_are_none_of_the_scene_are_refused(rigid_body, R):
     with pytest.raises(ValueError, match="no attitude"):
-        motion_data.to_json(rigid_body, motion_data.find(rigid_body, "precession"), {} if R is None else {"R": R}, 3)
+        motion_data.to_json(
+            rigid_body, motion_data.find(rigid_body, "precession"), {} if R is None else {"R": R}, 3
+        )
 
 
 def test_quaternions_are_those_of_the_rotations_and_do_not_jump():
@@ -258,8 +321,15 @@ def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(ser
 def test_where_an_assignments_own_code_failed_is_shown_to_the_staff_only(server, ann, prof, url):
     body = json.dumps({"source": RIGHT + "# no grading", "exercises": ["2"]}).encode()
     id = json.loads(call(server, SLUG, ann, body, Content_Type="application/json")[2])["id"]
-    fault = "all 3 runs failed (assignment rigid-body has an error: scene probes: plays.py line 3: KeyError: 'x')"
-    sql(url, "INSERT INTO result (grading_id, fault) SELECT id, %s FROM grading WHERE submission_id = %s", fault, id)
+    fault = (
+        "all 3 runs failed (assignment rigid-body has an error: scene probes: plays.py line 3: KeyError: 'x')"
+    )
+    sql(
+        url,
+        "INSERT INTO result (grading_id, fault) SELECT id, %s FROM grading WHERE submission_id = %s",
+        fault,
+        id,
+    )
     for path in (f"/submissions/{id}", f"/v1/submissions/{id}"):
         (_, _, student), (_, _, staff) = call(server, path, ann), call(server, path, prof)
         assert "plays.py line 3" in staff and "plays.py" not in student
@@ -276,13 +346,22 @@ def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, ri
         np.savez(stream, **arrays)
         mark = uuid.uuid4().hex
         sql(url, "INSERT INTO artefact (sha256, content) VALUES (%s, %s)", mark, stream.getvalue())
-        sql(url, "UPDATE grading_artefact SET sha256 = %s WHERE grading_id = %s AND name = 'arrays.npz'", mark, grading)
+        sql(
+            url,
+            "UPDATE grading_artefact SET sha256 = %s WHERE grading_id = %s AND name = 'arrays.npz'",
+            mark,
+            grading,
+        )
 
     put(**{"probes/wdot": np.zeros(3)})
     assert call(server, path, ann)[0] == 404
     put(**{"precession/R": np.full((80, 3, 3), np.nan)})
     status, _, body = call(server, path, ann)
-    assert status == 200 and json.loads(body)["yours"] == [] and json.loads(body)["told"] == ["At t = 0 s your R is not finite."]
+    assert (
+        status == 200
+        and json.loads(body)["yours"] == []
+        and json.loads(body)["told"] == ["At t = 0 s your R is not finite."]
+    )
 
 
 def test_a_motion_needs_a_scene_that_brings_an_attitude(rigid_body):
@@ -290,7 +369,9 @@ def test_a_motion_needs_a_scene_that_brings_an_attitude(rigid_body):
 
     last = rigid_body.exercises[-1]
     wrong = replace(last, motions=(replace(last.motions[0], scene="symmetric"),))
-    assert "motion precession: scene symmetric does not return R" in validation.errors(replace(rigid_body, exercises=(wrong,)))
+    assert "motion precession: scene symmetric does not return R" in validation.errors(
+        replace(rigid_body, exercises=(wrong,))
+    )
 
 
 def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof, send):
@@ -298,7 +379,9 @@ def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof,
     first = send(ben, RIGHT)
     second = send(ben, RIGHT.replace("return ", "# now with a sign\n    return -") + "print('<b>')\n")
     told = page(server, ben, second)
-    rows = re.findall(r"<tr( class=\"current\")?>\s*<th scope=\"row\"><a href=\"/submissions/([0-9a-f-]+)\"", told)
+    rows = re.findall(
+        r"<tr( class=\"current\")?>\s*<th scope=\"row\"><a href=\"/submissions/([0-9a-f-]+)\"", told
+    )
     assert [(bool(current), id) for current, id in rows] == [(True, second["id"]), (False, first["id"])]
     status, _, changes = call(server, f"/submissions/{second['id']}/diff", ben)
     assert (
@@ -325,16 +408,25 @@ def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof,
 def test_a_difference_is_of_the_code_and_tells_lines_before_and_now():
     same = difference(Submission(RIGHT), Submission(RIGHT))
     assert same == []
-    before, now = (Submission(notebook("a = 1", middle, "c = 3"), "x.ipynb") for middle in ("b = 2", "b = 2\nb = 3"))
+    before, now = (
+        Submission(notebook("a = 1", middle, "c = 3"), "x.ipynb") for middle in ("b = 2", "b = 2\nb = 3")
+    )
     (group,) = difference(before, now)
-    assert [(line.kind, line.before, line.now, line.text) for line in group if line.kind != "same"] == [("new", None, 5, "b = 3")]
+    assert [(line.kind, line.before, line.now, line.text) for line in group if line.kind != "same"] == [
+        ("new", None, 5, "b = 3")
+    ]
     assert ("same", 3, 3, "# cell 2") in [(line.kind, line.before, line.now, line.text) for line in group]
 
 
 def test_no_two_sources_take_long_to_compare():
-    """Lines that are all alike, that repeat just below what difflib leaves aside, that only move, and a quarter million of them."""
+    """Lines that are all alike, that repeat just below what difflib leaves aside, that only move, and a
+    quarter million of them.
+    """
     rng = np.random.default_rng(1)
-    pairs = [(["x"] * 1999 + ["y"], ["z"] + ["x"] * 1999), ([str(k) for k in range(2000)], [str(k) for k in range(2000)][::-1])]
+    pairs = [
+        (["x"] * 1999 + ["y"], ["z"] + ["x"] * 1999),
+        ([str(k) for k in range(2000)], [str(k) for k in range(2000)][::-1]),
+    ]
     for lines, kinds in ((2000, 105), (1400, 150), (2000, 520), (199, 2), (199, 20), (1990, 400)):
         pairs.append(tuple([[str(k) for k in rng.integers(0, kinds, lines)] for _ in "ab"]))
     pairs.append(([""] * 262_000 + ["a"], ["b"] + [""] * 262_000))
@@ -359,7 +451,11 @@ def test_two_sources_too_unlike_are_said_to_be(server, url, send):
 def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, prof, url, send):
     sent = send(ann, REVERSED)
     sql(url, "UPDATE person SET full_name = 'Ann Müller' WHERE name = 'ann'")
-    mine, theirs, assistants = page(server, ann, sent), page(server, prof, sent), page(server, token(url, "tina"), sent)
+    mine, theirs, assistants = (
+        page(server, ann, sent),
+        page(server, prof, sent),
+        page(server, token(url, "tina"), sent),
+    )
     seed = str(sent["report"]["provenance"]["seed"])
     of_staff = [
         seed,
@@ -385,7 +481,8 @@ def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, pro
 COPIED = """
 WITH s AS (
     INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint)
-    SELECT gen_random_uuid(), assignment_id, person_id, source, sha256, filename, fingerprint FROM submission WHERE id = %s
+    SELECT gen_random_uuid(), assignment_id, person_id, source, sha256, filename, fingerprint FROM submission
+      WHERE id = %s
     RETURNING id
 ), a AS (
     INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)
@@ -402,10 +499,17 @@ def test_what_somebody_stopped_is_not_called_our_failure(server, ann, url, send)
     told = page(server, ann, ours)
     assert "Grading failed (our error)" in told and "told here" in told and "! failed (our error)" in told
     told = page(server, ann, stopped)
-    assert "Cancelled by prof. It does not count" in told and "our error" not in told and "cancelled by prof<" in told
+    assert (
+        "Cancelled by prof. It does not count" in told
+        and "our error" not in told
+        and "cancelled by prof<" in told
+    )
 
 
-NASTY = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'><svg/onload=alert(3)>&lt;b&gt;{{7*7}}</pre></span>"
+NASTY = (
+    "<script>alert(1)</script><img src=x"
+    " onerror=alert(2)>\"'><svg/onload=alert(3)>&lt;b&gt;{{7*7}}</pre></span>"
+)
 BIDI = "\u202e\u2066"
 
 
@@ -418,21 +522,36 @@ class Tags(html.parser.HTMLParser):
     def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
         self.attributes += [name for name, _ in attrs]
-        self.addresses += [value for name, value in attrs if name in ("href", "src", "data-live", "data-motion", "action")]
+        self.addresses += [
+            value for name, value in attrs if name in ("href", "src", "data-live", "data-motion", "action")
+        ]
 
 
 def test_the_notebooks_own_checks_are_lines_without_points(server, ann, send):
     told = send(ann, notebook(RIGHT, "validate.check(True, '<b>mine</b>', '1 < 2')"), "mine.ipynb")
     (check,) = told["report"]["notebook_checks"]
-    assert check["line"] == "✓  <b>mine</b>   [1 < 2]" and check["cell"] == "cell 2" and told["report"]["score"] == 5
+    assert (
+        check["line"] == "✓  <b>mine</b>   [1 < 2]"
+        and check["cell"] == "cell 2"
+        and told["report"]["score"] == 5
+    )
     shown = page(server, ann, told)
-    assert "Self-reported, no points" in shown and "✓  &lt;b&gt;mine&lt;/b&gt;   [1 &lt; 2]" in shown and "<b>mine" not in shown
+    assert (
+        "Self-reported, no points" in shown
+        and "✓  &lt;b&gt;mine&lt;/b&gt;   [1 &lt; 2]" in shown
+        and "<b>mine" not in shown
+    )
 
 
 def test_speed_vs_accuracy_is_offered_where_it_can_be_measured(server, ann, url, send):
     failing = "def euler_eqs(t, w, I):\n    raise ValueError\n"
-    measured, raises, other = (send(ann, *one) for one in ((RIGHT + "# fast",), (failing,), (RIGHT, "a.py", ("1",))))
-    offered = [f"/v1/submissions/{one['id']}/sweep.svg" in page(server, ann, one) for one in (measured, raises, other)]
+    measured, raises, other = (
+        send(ann, *one) for one in ((RIGHT + "# fast",), (failing,), (RIGHT, "a.py", ("1",)))
+    )
+    offered = [
+        f"/v1/submissions/{one['id']}/sweep.svg" in page(server, ann, one)
+        for one in (measured, raises, other)
+    ]
     assert offered == [True, False, False]
     grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", measured["id"])[0][0]
     run(url, lambda database: store_artefacts(database, grading, {sweeps.REFUSED: b"<b> took too long"}))
@@ -445,7 +564,11 @@ def test_a_strangers_text_stays_text(server, url, send):
     source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\n"
     source += f"def euler_eqs(t, w, I):\n    raise ValueError({NASTY + BIDI!r})  # {NASTY}{BIDI}\n"
     script = type(f"{NASTY}", (), {}).__name__
-    send(eve, f"E = type({script!r}, (Exception,), {{}})\n\ndef euler_eqs(t, w, I):\n    raise E({BIDI!r})\n", f"{NASTY}.py")
+    send(
+        eve,
+        f"E = type({script!r}, (Exception,), {{}})\n\ndef euler_eqs(t, w, I):\n    raise E({BIDI!r})\n",
+        f"{NASTY}.py",
+    )
     sent = send(eve, source, f"<script>{BIDI}'\"><b>.py")
     for path in (f"/submissions/{sent['id']}", f"/submissions/{sent['id']}/diff"):
         status, _, told = call(server, path, eve)
@@ -455,7 +578,9 @@ def test_a_strangers_text_stays_text(server, url, send):
         assert not [address for address in found.addresses if not address.startswith(("/", "#", "data:,"))]
         assert not set(BIDI) & set(told) and "49" not in re.findall(r"\{\{.{0,5}\}\}|&gt;49&lt;", told)
         assert "&lt;script&gt;" in told and "\ufffd" in told
-    assert Tags(page(server, eve, sent)).tags.count("img") == sum(len(sent["report"][kind]) for kind in ("figures", "animations"))
+    assert Tags(page(server, eve, sent)).tags.count("img") == sum(
+        len(sent["report"][kind]) for kind in ("figures", "animations")
+    )
 
 
 def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, ann, rigid_body, url, send):
@@ -463,14 +588,21 @@ def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, a
     grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", sent["id"])[0][0]
     packed = sql(
         url,
-        "SELECT content FROM artefact JOIN grading_artefact USING (sha256) WHERE grading_id = %s AND name = 'arrays.npz'",
+        "SELECT content FROM artefact JOIN grading_artefact USING (sha256) WHERE grading_id = %s AND name ="
+        " 'arrays.npz'",
         grading,
     )[0][0]
     seen = rendering.unpack([packed])["precession"]
-    made = motion_data.to_json(rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"])
+    made = motion_data.to_json(
+        rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"]
+    )
     path = f"/submissions/{sent['id']}/motions/precession.json"
     assert call(server, path, ann)[2].encode() == made
-    assert sql(url, "SELECT 1 FROM grading_artefact WHERE grading_id = %s AND name = 'motions/precession.json'", grading) == [(1,)]
+    assert sql(
+        url,
+        "SELECT 1 FROM grading_artefact WHERE grading_id = %s AND name = 'motions/precession.json'",
+        grading,
+    ) == [(1,)]
 
 
 def test_points_are_out_of_all_there_are(server, url, ann):
@@ -487,15 +619,26 @@ def test_points_are_out_of_all_there_are(server, url, ann):
 def test_the_page_states_each_cause_once_above_the_lines_that_refer_to_it(server, url, ann):
     slip = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check <I₃ − I₁>", 1.0)
     outcomes = [outcome(f"c{k}", "fail", f"label {k}", diagnosis=[slip]) for k in (1, 2)]
-    page = call(server, f"/submissions/{graded(url, 'ann', exercises=[ExerciseReport('2', 'Euler', outcomes)])}", ann)[2]
-    assert page.count("ω̇₂ has the opposite sign: check &lt;I₃ − I₁&gt;") == 1 and page.count('href="#cause-1"') == 2
-    assert "<h2>One cause explains 2 failures</h2>" in page and page.index('id="cause-1"') < page.index("Exercise 2.")
+    page = call(
+        server, f"/submissions/{graded(url, 'ann', exercises=[ExerciseReport('2', 'Euler', outcomes)])}", ann
+    )[2]
+    assert (
+        page.count("ω̇₂ has the opposite sign: check &lt;I₃ − I₁&gt;") == 1
+        and page.count('href="#cause-1"') == 2
+    )
+    assert "<h2>One cause explains 2 failures</h2>" in page and page.index('id="cause-1"') < page.index(
+        "Exercise 2."
+    )
     assert '<a href="#check-c1">label 1</a>; <a href="#check-c2">label 2</a>' in page
 
 
 @pytest.mark.parametrize(
     ("points", "total", "shown"),
-    [(2, 2, '<span class="pass">✓ 2 of 2</span>'), (1, 2, '<span class="fail">✗ 1 of 2</span>'), (0, 0, "no points")],
+    [
+        (2, 2, '<span class="pass">✓ 2 of 2</span>'),
+        (1, 2, '<span class="fail">✗ 1 of 2</span>'),
+        (0, 0, "no points"),
+    ],
 )
 def test_points_of_an_assignment_without_any_have_no_verdict(points, total, shown):
     macros = ENVIRONMENT.get_template("macros.html").module

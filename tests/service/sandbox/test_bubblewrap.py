@@ -45,4 +45,6 @@ def test_network_processes_files_and_variables_of_the_machine_are_not_there(monk
 
 
 def test_the_mounts_are_few():
-    assert choose("namespaces").around.count("--ro-bind") < 120  # bwrap's time grows with their square: 0.2 s for 280
+    assert (
+        choose("namespaces").around.count("--ro-bind") < 120
+    )  # bwrap's time grows with their square: 0.2 s for 280

@@ -36,7 +36,9 @@ def test_complex_numbers_are_compared_by_their_distance():
     raw = np.array([3.0 + 0.29j, 3.0 + 0.31j]).tobytes() + np.array([3.0]).tobytes()
     line = "✗  a   [max|Δ| = 0.31 (rtol=0.1, atol=0)]"
     assert judged(header, raw).line == line
-    assert judged(header | {"arrays": {"got": [], "expected": []}}, raw[:16] + raw[-8:]).verdict is Verdict.PASS
+    assert (
+        judged(header | {"arrays": {"got": [], "expected": []}}, raw[:16] + raw[-8:]).verdict is Verdict.PASS
+    )
 
 
 @pytest.mark.parametrize(
@@ -62,7 +64,15 @@ def test_texts_are_made_harmless():
         ({"kind": "perfect"}, RAW),
         ({"kind": ["close"]}, RAW),
         ({"complex": ["got"]}, RAW),
-        ({"kind": "conserved", "numbers": {"rel_drift": 1.0}, "arrays": {"series": [3]}, "complex": ["series"]}, RAW + RAW),
+        (
+            {
+                "kind": "conserved",
+                "numbers": {"rel_drift": 1.0},
+                "arrays": {"series": [3]},
+                "complex": ["series"],
+            },
+            RAW + RAW,
+        ),
         ({"cell": "cell 2"}, RAW),
         ({"place": [1]}, RAW),
         ({"place": [1, -1]}, RAW),

@@ -1,4 +1,6 @@
-"""Packages beyond numpy, scipy and matplotlib: importable where the assignment declares them, and nowhere else."""
+"""Packages beyond numpy, scipy and matplotlib: importable where the assignment declares them, and nowhere
+else.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -45,14 +47,18 @@ def test_a_declared_package_can_be_imported_and_not_written_to(rigid_body, isola
 def test_without_it_the_error_lists_what_there_is(rigid_body, sandbox):
     report = grade(Submission(CODE), rigid_body, sandbox, 1, ["1"]).report
     scene_end = report.scene_ends[0]
-    assert scene_end.sentence.startswith("ModuleNotFoundError: No module named 'iniconfig' (the sandbox has numpy ")
+    assert scene_end.sentence.startswith(
+        "ModuleNotFoundError: No module named 'iniconfig' (the sandbox has numpy "
+    )
     assert f"stopped with {scene_end.sentence}" in report.outcomes()[0].line
 
 
 @pytest.mark.slow
 def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_path):
     lacking = replace(rigid_body, packages=("no-such-package",))
-    with pytest.raises(SystemFault, match="rigid-body needs packages that are not installed on this server: no-such-package"):
+    with pytest.raises(
+        SystemFault, match="rigid-body needs packages that are not installed on this server: no-such-package"
+    ):
         grade(Submission(CODE), lacking, sandbox, 1)
     (tmp_path / "mine.py").write_text(CODE)
     with pytest.raises(SystemFault, match="no-such-package"):
@@ -61,7 +67,17 @@ def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_pat
 
 def test_the_packages_of_a_guest_are_those_that_its_distributions_require():
     found = packages(EXTRA)
-    needed = {"numpy", "numpy.libs", "scipy", "matplotlib", "mpl_toolkits", "PIL", "dateutil", "kiwisolver", "iniconfig"}
+    needed = {
+        "numpy",
+        "numpy.libs",
+        "scipy",
+        "matplotlib",
+        "mpl_toolkits",
+        "PIL",
+        "dateutil",
+        "kiwisolver",
+        "iniconfig",
+    }
     assert needed.issubset(found) and not {"pytest", "psycopg", "fastapi", "..", "__pycache__"} & set(found)
     assert "iniconfig" not in packages()
 

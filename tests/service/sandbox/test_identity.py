@@ -1,4 +1,6 @@
-"""The user that a guest runs as: what it reports, files below closed folders, and what happens if it stays root."""
+"""The user that a guest runs as: what it reports, files below closed folders, and what happens if it stays
+root.
+"""
 
 import ctypes
 import os
@@ -30,18 +32,23 @@ LEVELS = pytest.mark.parametrize(
     ],
 )
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
-LAZY = "import bz2, scipy.stats, ecp.pyodide, matplotlib.tri\nprint(open('/dev/null').read() == '')"  # imported by no zygote
+# imported by no zygote
+LAZY = "import bz2, scipy.stats, ecp.pyodide, matplotlib.tri\nprint(open('/dev/null').read() == '')"
 
 
 @pytest.fixture
 def copied(tmp_path):
     """A copy of the guest's code below a folder that is closed to others."""
     tmp_path.chmod(0o700)
-    return shutil.copytree(isolation.GUEST, tmp_path / "open" / "guest", ignore=shutil.ignore_patterns("__pycache__"))
+    return shutil.copytree(
+        isolation.GUEST, tmp_path / "open" / "guest", ignore=shutil.ignore_patterns("__pycache__")
+    )
 
 
 def identity_of(isolation):
-    """Run the self-test of a sandbox and a submission that imports more; return the identity that its guest reported."""
+    """Run the self-test of a sandbox and a submission that imports more; return the identity that its guest
+    reported.
+    """
     sandbox = Sandbox(isolation)
     try:
         sandbox.self_test()
@@ -72,10 +79,14 @@ def test_another_user_finds_its_files_below_a_closed_folder(copied, monkeypatch)
 @pytest.mark.slow
 @AS_ROOT
 @LEVELS
-def test_a_guest_that_stays_root_is_refused_unless_a_setting_allows_it(module, make, copied, monkeypatch, caplog):
+def test_a_guest_that_stays_root_is_refused_unless_a_setting_allows_it(
+    module, make, copied, monkeypatch, caplog
+):
     copied.chmod(0o700)
     monkeypatch.setattr(module, "GUEST", copied)
-    with pytest.raises(SystemFault, match=rf"would run as root, because {copied} is closed.*chmod.*POLHODE_ALLOW_ROOT_GUEST"):
+    with pytest.raises(
+        SystemFault, match=rf"would run as root, because {copied} is closed.*chmod.*POLHODE_ALLOW_ROOT_GUEST"
+    ):
         identity_of(make())
     assert not caplog.records
     allowed = make(allow_root=True)
@@ -100,8 +111,13 @@ def test_root_that_may_not_change_its_user(allowed, code, printed):
     def drop_setuid():
         assert ctypes.CDLL(None).prctl(24, 7, 0, 0, 0) == 0  # PR_CAPBSET_DROP, CAP_SETUID
 
-    command, environment = [sys.executable, "-m", "service.cli", "doctor"], os.environ | {"POLHODE_ALLOW_ROOT_GUEST": allowed}
-    done = subprocess.run(command, env=environment, preexec_fn=drop_setuid, capture_output=True, text=True, check=False)
+    command, environment = (
+        [sys.executable, "-m", "service.cli", "doctor"],
+        os.environ | {"POLHODE_ALLOW_ROOT_GUEST": allowed},
+    )
+    done = subprocess.run(
+        command, env=environment, preexec_fn=drop_setuid, capture_output=True, text=True, check=False
+    )
     assert done.returncode == code and printed in done.stdout, done.stdout
 
 

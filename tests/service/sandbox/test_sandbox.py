@@ -71,12 +71,18 @@ def test_arrays_come_back(either_sandbox):
         ("def f(x):\n    while True: pass", Ended.TIMED_OUT, "timeout"),
         ("import time\ndef f(x):\n    time.sleep(60)", Ended.TIMED_OUT, "timeout"),
         (
-            "def f(x):\n    while True:\n        try:\n            while True: pass\n        except BaseException: pass",
+            (
+                "def f(x):\n    while True:\n        try:\n            while True: pass\n        except"
+                " BaseException: pass"
+            ),
             Ended.TIMED_OUT,
             "timeout",
         ),
         (
-            "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 60))\ndef f(x):\n    while True: pass",
+            (
+                "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 60))\ndef f(x):\n    while"
+                " True: pass"
+            ),
             Ended.TIMED_OUT,
             "timeout",
         ),
@@ -103,11 +109,15 @@ def test_endings_and_the_next_submission_is_unharmed(either_sandbox, body, scene
 @pytest.mark.slow
 def test_a_budget_is_CPU_time_with_a_longer_limit_by_the_clock(sandbox):
     def play(statement):
-        return sandbox.play(job(f"import time\ndef f(x):\n    {statement}\n    return [x, x]", scene("one", budget_s=0.2)))
+        return sandbox.play(
+            job(f"import time\ndef f(x):\n    {statement}\n    return [x, x]", scene("one", budget_s=0.2))
+        )
 
     assert play("time.sleep(0.4)").finished("one"), "a wait, as on a loaded machine, costs no CPU time"
     assert play("while True: pass").scene_ends["one"].sentence == "your code used more than 0.2 s of CPU time"
-    assert play("time.sleep(9)").scene_ends["one"].sentence.startswith("your code did not finish within 0.8 s")
+    assert (
+        play("time.sleep(9)").scene_ends["one"].sentence.startswith("your code did not finish within 0.8 s")
+    )
 
 
 @BY_THE_HOST
@@ -118,7 +128,9 @@ def test_a_budget_is_CPU_time_with_a_longer_limit_by_the_clock(sandbox):
         ("def f(x):\n    return [1.0, 2.0, 3.0]", Ended.RAISED),
     ],
 )
-def test_what_is_no_result_is_not_believed_and_the_next_submission_is_unharmed(either_sandbox, body, scene_end):
+def test_what_is_no_result_is_not_believed_and_the_next_submission_is_unharmed(
+    either_sandbox, body, scene_end
+):
     seen = either_sandbox.play(job(body))
     assert seen.scene_ends["one"].ended is scene_end and "one" not in seen.arrays
     assert either_sandbox.play(job(GOOD)).finished("one")
@@ -127,17 +139,24 @@ def test_what_is_no_result_is_not_believed_and_the_next_submission_is_unharmed(e
 @BY_THE_HOST
 def test_one_stall_costs_one_scene(either_sandbox):
     body = (
-        "import signal\ndef f(x):\n    signal.pthread_sigmask(signal.SIG_BLOCK, [14])\n    while x == 2.0: pass\n    return [x, x]"
+        "import signal\ndef f(x):\n    signal.pthread_sigmask(signal.SIG_BLOCK, [14])\n    while x == 2.0:"
+        " pass\n    return [x, x]"
     )
     seen = either_sandbox.play(
-        job(body, scene("a", [1.0]), scene("b", [2.0], budget_s=0.2), scene("c", [3.0]), scene("d", after="b"))
+        job(
+            body, scene("a", [1.0]), scene("b", [2.0], budget_s=0.2), scene("c", [3.0]), scene("d", after="b")
+        )
     )
     assert seen.finished("a") and seen.finished("c")
     assert seen.scene_ends["b"].ended is Ended.TIMED_OUT and seen.scene_ends["d"].ended is Ended.NOT_PLAYED
 
 
 def test_a_failing_cell_is_told_and_the_others_run(sandbox):
-    cells = (Cell("cell 1", "%matplotlib inline\n!ls\nx = 1"), Cell("cell 2", "1 / 0"), Cell("cell 3", "%%time\n" + GOOD))
+    cells = (
+        Cell("cell 1", "%matplotlib inline\n!ls\nx = 1"),
+        Cell("cell 2", "1 / 0"),
+        Cell("cell 3", "%%time\n" + GOOD),
+    )
     seen = sandbox.play(Job("", PLAYS, cells, ("f",), (scene("one"),)))
     assert seen.finished("one")
     trace = seen.cells["cell 2"].traceback
@@ -145,7 +164,9 @@ def test_a_failing_cell_is_told_and_the_others_run(sandbox):
 
 
 def test_traceback_shows_only_the_students_lines(sandbox):
-    seen = sandbox.play(job("def helper(x):\n    return np.linalg.inv([[0.0]])\n\ndef f(x):\n    return helper(x)"))
+    seen = sandbox.play(
+        job("def helper(x):\n    return np.linalg.inv([[0.0]])\n\ndef f(x):\n    return helper(x)")
+    )
     trace = seen.scene_ends["one"].traceback
     assert "line 5, in f" in trace and "line 2, in helper" in trace and "Singular matrix" in trace
     assert "plays.py" not in trace and "linalg.py" not in trace
@@ -154,7 +175,14 @@ def test_traceback_shows_only_the_students_lines(sandbox):
 def test_no_file_of_the_host_is_there(sandbox, tmp_path):
     secret = tmp_path / "secret"
     secret.write_text("swordfish")
-    tried = [str(secret), "/etc/passwd", "/etc/shadow", "/proc/self/environ", "/root/.bashrc", str(Path(__file__).resolve())]
+    tried = [
+        str(secret),
+        "/etc/passwd",
+        "/etc/shadow",
+        "/proc/self/environ",
+        "/root/.bashrc",
+        str(Path(__file__).resolve()),
+    ]
     body = f"""
 import os
 told = []
@@ -171,7 +199,16 @@ print(json.dumps([os.path.exists(p) for p in {tried!r}]))
 
 
 def test_neither_reference_nor_truth_can_be_imported(sandbox):
-    names = ["reference", "exercises", "exercises.rigid_body.scenes", "service", "fastapi", "sqlalchemy", "psycopg", "pydantic"]
+    names = [
+        "reference",
+        "exercises",
+        "exercises.rigid_body.scenes",
+        "service",
+        "fastapi",
+        "sqlalchemy",
+        "psycopg",
+        "pydantic",
+    ]
     body = f"""
 import importlib, sys
 told = {{}}
@@ -189,7 +226,9 @@ def test_secret_environment_does_not_cross(monkeypatch):
     monkeypatch.setenv("POLHODE_CANARY", "swordfish")
     guarded = Sandbox(choose())
     try:
-        assert "swordfish" not in json.dumps(attempt(guarded, "import os\nprint(json.dumps(dict(os.environ)))"))
+        assert "swordfish" not in json.dumps(
+            attempt(guarded, "import os\nprint(json.dumps(dict(os.environ)))")
+        )
     finally:
         guarded.close()
 
@@ -232,7 +271,9 @@ def test_no_network(sandbox):
         listener.settimeout(0.2)
         abstract.bind(f"\0polhode-canary-{os.getpid()}")
         abstract.listen()
-        body = _CONNECT.replace("PORT", str(listener.getsockname()[1])).replace("NAME", repr(abstract.getsockname().decode()))
+        body = _CONNECT.replace("PORT", str(listener.getsockname()[1])).replace(
+            "NAME", repr(abstract.getsockname().decode())
+        )
         assert attempt(sandbox, body) == [[]]
         with pytest.raises(TimeoutError):
             listener.accept()
@@ -285,14 +326,21 @@ print(json.dumps({"children": children, "reached": len(reached)}))
 
 
 def _adopt_orphans(yes):
-    """Whether a descendant of ours whose parent ends becomes our child (PR_SET_CHILD_SUBREAPER) and not the machine's."""
+    """Whether a descendant of ours whose parent ends becomes our child (PR_SET_CHILD_SUBREAPER) and not the
+    machine's.
+    """
     assert ctypes.CDLL(None, use_errno=True).prctl(36, int(yes), 0, 0, 0) == 0
 
 
 def _guests():
     """How many guests descend from us; others' come and go."""
-    told = subprocess.run(["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True).stdout
-    found = {int(pid): (int(parent), args) for pid, parent, args in (line.split(None, 2) for line in told.splitlines())}
+    told = subprocess.run(
+        ["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True
+    ).stdout
+    found = {
+        int(pid): (int(parent), args)
+        for pid, parent, args in (line.split(None, 2) for line in told.splitlines())
+    }
 
     def ours(pid):
         return pid == os.getpid() or (pid in found and ours(found[pid][0]))
@@ -319,9 +367,14 @@ print(json.dumps(told))
 
 def test_submissions_do_not_see_each_other(either_sandbox):
     either_sandbox.play(
-        job("import numpy, builtins, sys\nnumpy.pi = 3\nbuiltins.left = 1\nsys.modules['left'] = sys\nnp.random.seed(1)\n" + GOOD)
+        job(
+            "import numpy, builtins, sys\nnumpy.pi = 3\nbuiltins.left = 1\nsys.modules['left'] ="
+            " sys\nnp.random.seed(1)\n" + GOOD
+        )
     )
-    body = "import sys, builtins\nprint(json.dumps([np.pi, hasattr(builtins, 'left'), 'left' in sys.modules]))"
+    body = (
+        "import sys, builtins\nprint(json.dumps([np.pi, hasattr(builtins, 'left'), 'left' in sys.modules]))"
+    )
     assert attempt(either_sandbox, body) == [[np.pi, False, False]]
 
 
@@ -381,14 +434,19 @@ def test_a_zygote_lost_in_the_middle_costs_nothing(either_sandbox):
 
 
 def test_devnull_takes_what_is_printed_to_it(either_sandbox):
-    body = "import contextlib, os\nwith contextlib.redirect_stdout(open(os.devnull, 'w')):\n    print('x')\n" + GOOD
+    body = (
+        "import contextlib, os\nwith contextlib.redirect_stdout(open(os.devnull, 'w')):\n    print('x')\n"
+        + GOOD
+    )
     assert either_sandbox.play(job(body)).finished("one")
 
 
 @BY_THE_HOST
 def test_our_own_code_failing_is_a_fault_and_never_the_students(either_sandbox):
     broken = Job("1 / 0", PLAYS, (Cell("submission.py", GOOD),), ("f",), (scene("one"),))
-    with pytest.raises(SystemFault, match=r"before the submission ran: Setup line 1: ZeroDivisionError: division by zero"):
+    with pytest.raises(
+        SystemFault, match=r"before the submission ran: Setup line 1: ZeroDivisionError: division by zero"
+    ):
         either_sandbox.play(broken)
     assert either_sandbox.play(job(GOOD)).finished("one")
 
@@ -414,9 +472,13 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
 
 
 def zygote_pid(sandbox):
-    """The zygote's own process, behind bubblewrap's if there is one, or the last of these that has started."""
+    """The zygote's own process, behind bubblewrap's if there is one,
+    or the last of these that has started.
+    """
     pid = sandbox._zygote._started.process.pid
-    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python") and (below := children(pid)):
+    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python") and (
+        below := children(pid)
+    ):
         pid = below[0]
     return pid
 
@@ -449,7 +511,9 @@ time.sleep(60)
 @pytest.mark.slow
 @pytest.mark.parametrize("isolation", ["choose('namespaces')", "process_isolation()"])
 def test_nothing_survives_a_killed_server(isolation):
-    process = subprocess.Popen([sys.executable, "-c", HOST.replace("ISOLATION", isolation)], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOST.replace("ISOLATION", isolation)], stdout=subprocess.PIPE, text=True
+    )
     pid = int(process.stdout.readline())
     process.kill()
     process.wait()
@@ -468,6 +532,8 @@ def _alive(pid):
 
 
 def test_a_sandbox_that_does_not_start_is_a_fault():
-    fake = Isolation("namespaces", ("bubblewrap",), (sys.executable, "-c"), ("print('no sandbox here')",), dict(os.environ))
+    fake = Isolation(
+        "namespaces", ("bubblewrap",), (sys.executable, "-c"), ("print('no sandbox here')",), dict(os.environ)
+    )
     with pytest.raises(SystemFault, match="no sandbox here"):
         Sandbox(fake).self_test()

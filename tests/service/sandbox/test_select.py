@@ -70,11 +70,15 @@ def no_bubblewrap(tmp_path):
 
 
 def test_grade_starts_one_guest_in_namespaces(tmp_path, rigid_body):
-    (tmp_path / "bwrap").write_text(f'#!/bin/sh\necho started >> {tmp_path}/log\nexec {find_bubblewrap()} "$@"\n')
+    (tmp_path / "bwrap").write_text(
+        f'#!/bin/sh\necho started >> {tmp_path}/log\nexec {find_bubblewrap()} "$@"\n'
+    )
     (tmp_path / "bwrap").chmod(0o755)
     environment = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
     graded = subprocess.run(_grade(rigid_body), env=environment, capture_output=True, text=True, check=True)
-    assert _isolation(graded.stdout).startswith("namespaces: ") and (tmp_path / "log").read_text() == "started\n"
+    assert (
+        _isolation(graded.stdout).startswith("namespaces: ") and (tmp_path / "log").read_text() == "started\n"
+    )
 
 
 def test_a_guest_ends_if_polhode_grade_fails_before_its_first_use(monkeypatch):
@@ -100,9 +104,17 @@ def test_grade_without_namespaces_refuses_or_takes_the_next_level(no_bubblewrap,
         (tmp_path / "bin" / "bwrap").symlink_to(shutil.which("false"))
     command, environment = _grade(rigid_body), os.environ | no_bubblewrap
     refused = subprocess.run(
-        command, env=environment | {"POLHODE_MIN_ISOLATION": "namespaces"}, capture_output=True, text=True, check=False
+        command,
+        env=environment | {"POLHODE_MIN_ISOLATION": "namespaces"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
-    assert refused.returncode == 2 and "POLHODE_MIN_ISOLATION is namespaces" in refused.stderr and not refused.stdout
+    assert (
+        refused.returncode == 2
+        and "POLHODE_MIN_ISOLATION is namespaces" in refused.stderr
+        and not refused.stdout
+    )
     graded = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert (graded.returncode, graded.stderr) == (0, "") and _isolation(graded.stdout).startswith("process: ")
 
@@ -117,23 +129,40 @@ def _isolation(stdout):
     return graded["report"]["provenance"]["isolation"]
 
 
-@pytest.mark.slow  # a worker without a sandbox says why: test_worker.py; then no submission is taken: test_health.py
-def test_a_server_without_a_sandbox_takes_no_submission_and_says_why(new_server, tmp_path, database_url, no_bubblewrap):
+# a worker without a sandbox says why: test_worker.py; then no submission is taken: test_health.py
+@pytest.mark.slow
+def test_a_server_without_a_sandbox_takes_no_submission_and_says_why(
+    new_server, tmp_path, database_url, no_bubblewrap
+):
     lonely = new_server(
-        tmp_path / "data", "/livez", POLHODE_MIN_ISOLATION="namespaces", POLHODE_DATABASE_URL=database_url, **no_bubblewrap
+        tmp_path / "data",
+        "/livez",
+        POLHODE_MIN_ISOLATION="namespaces",
+        POLHODE_DATABASE_URL=database_url,
+        **no_bubblewrap,
     )
     deadline = time.monotonic() + 20
-    while "POLHODE_MIN_ISOLATION is namespaces" not in (answer := _call(f"{lonely.url}/readyz"))[1]["checks"]["isolation"]:
+    while (
+        "POLHODE_MIN_ISOLATION is namespaces"
+        not in (answer := _call(f"{lonely.url}/readyz"))[1]["checks"]["isolation"]
+    ):
         assert answer[0] == 503 and time.monotonic() < deadline, answer
         time.sleep(0.1)
     status, body = _call(f"{lonely.url}/v1/assignments/rigid-body/submissions", {"source": "x = 1"})
-    assert status == 503 and body["type"] == "urn:polhode:problem:no-walls" and "POLHODE_MIN_ISOLATION" in body["detail"]
+    assert (
+        status == 503
+        and body["type"] == "urn:polhode:problem:no-walls"
+        and "POLHODE_MIN_ISOLATION" in body["detail"]
+    )
     assert _call(f"{lonely.url}/v1/assignments")[0] == 200
     lonely.stop()
 
 
-@pytest.mark.slow  # what level process lets through is tried without a server: test_sandbox.py, test_attacks.py
-def test_a_server_without_namespaces_grades_at_level_process(new_server, tmp_path, database_url, no_bubblewrap):
+# what level process lets through is tried without a server: test_sandbox.py, test_attacks.py
+@pytest.mark.slow
+def test_a_server_without_namespaces_grades_at_level_process(
+    new_server, tmp_path, database_url, no_bubblewrap
+):
     plain = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
     assert _call(f"{plain.url}/readyz")[1]["checks"]["isolation"].startswith("process:")
     source = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"

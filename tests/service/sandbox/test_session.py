@@ -1,4 +1,6 @@
-"""Submissions that lie on the wire or strain the host: each gets a verdict, the next one its due, and nobody a fault."""
+"""Submissions that lie on the wire or strain the host: each gets a verdict, the next one its due, and nobody
+a fault.
+"""
 
 import json
 from dataclasses import replace
@@ -28,13 +30,16 @@ RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 
 LIES = {
     "names are null": PRELUDE + 'J(event="defined", names=None)',
-    "finished without arrays": PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ended="finished")',
+    "finished without arrays": (
+        PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ended="finished")'
+    ),
     "no colours": FILM + 'A(b"", frames=[24, 360, 480, 0])\n' + ENDED,
     "two colours": FILM + "A(bytes(64), frames=[2, 4, 4, 2])\n" + ENDED,
     "no frames": FILM + 'A(b"", frames=[0, 4, 4, 3])\n' + ENDED,
     "blames the sandbox": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
-    "sleeps through its alarm": PRELUDE
-    + "signal.signal(signal.SIGALRM, signal.SIG_IGN)\nJ(event='defined', names=5)\ntime.sleep(60)",
+    "sleeps through its alarm": (
+        PRELUDE + "signal.signal(signal.SIGALRM, signal.SIG_IGN)\nJ(event='defined', names=5)\ntime.sleep(60)"
+    ),
     "huge numbers": "def euler_eqs(t, w, I):\n    return np.full(3, 1e180)",
 }
 
@@ -49,7 +54,8 @@ LIKE_OTHERS = (  # test_wire.py refuses them too
 
 
 @pytest.mark.parametrize(
-    "source", [pytest.param(LIES[lie], id=lie, marks=pytest.mark.slow if lie in LIKE_OTHERS else []) for lie in LIES]
+    "source",
+    [pytest.param(LIES[lie], id=lie, marks=pytest.mark.slow if lie in LIKE_OTHERS else []) for lie in LIES],
 )
 def test_a_lie_on_the_wire_gets_its_verdict_and_the_next_is_unharmed(source, rigid_body, sandbox):
     graded = grade(Submission(source), rigid_body, sandbox, 3)
@@ -68,7 +74,10 @@ def test_nothing_is_believed_of_a_child_that_broke_the_protocol(rigid_body, sand
 
 
 def test_forged_lines_stay_in_their_line(rigid_body, sandbox):
-    source = "def euler_eqs(t, w, I):\n    raise ValueError('x]\\n✓  rotational energy conserved (torque-free)   [fine]')"
+    source = (
+        "def euler_eqs(t, w, I):\n    raise ValueError('x]\\n✓  rotational energy conserved (torque-free)  "
+        " [fine]')"
+    )
     text = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report.text()
     assert not any(line.startswith("✓") for line in text.split("\n"))
 
@@ -96,14 +105,20 @@ def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigi
 
 
 def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
-    source = "from ecp.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n    raise WrongAnswer('all-right', 'x')"
+    source = (
+        "from ecp.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n    raise"
+        " WrongAnswer('all-right', 'x')"
+    )
     report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
-    assert report.scene_ends[0].ended is Ended.WRONG_ANSWER and not any(o.diagnosis for o in report.outcomes())
+    assert report.scene_ends[0].ended is Ended.WRONG_ANSWER and not any(
+        o.diagnosis for o in report.outcomes()
+    )
 
 
 def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short(rigid_body, sandbox):
     show = (
-        "from IPython.display import HTML, display\nfrom IPython import get_ipython\ndisplay(HTML('<b>x</b>'))\nfig = plt.figure()"
+        "from IPython.display import HTML, display\nfrom IPython import"
+        " get_ipython\ndisplay(HTML('<b>x</b>'))\nfig = plt.figure()"
     )
     cells = [show, *["raise Exception('x' * 9999)"] * 100, RIGHT]
     notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
@@ -131,7 +146,9 @@ def test_what_only_a_notebook_does_costs_no_function_below_it(cell, rigid_body, 
 
 
 def test_a_function_nobody_has_written_yet_is_not_attempted(rigid_body, sandbox):
-    empty = "def animate_tumble(t, R, half):\n    'Draw.'\n    ...\n\ndef box_moments(m, a, b, c):\n    pass\n"
+    empty = (
+        "def animate_tumble(t, R, half):\n    'Draw.'\n    ...\n\ndef box_moments(m, a, b, c):\n    pass\n"
+    )
     report = grade(Submission(f"{RIGHT}\n{empty}"), rigid_body, sandbox, 3).report
     assert [e.number for e in report.exercises] == ["2", "3", "4", "5"] and report.passed
 
@@ -148,12 +165,20 @@ def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monk
 
 def test_functions_below_a_cell_that_never_ends_are_graded(rigid_body, sandbox):
     """Such a cell may be the course's own demonstration of an earlier function that is not written yet."""
-    cells = ["import numpy as np", "while True: pass\ndef helper(x):\n    return x", RIGHT, "for k in range(10**9): pass"]
+    cells = [
+        "import numpy as np",
+        "while True: pass\ndef helper(x):\n    return x",
+        RIGHT,
+        "for k in range(10**9): pass",
+    ]
     notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
     submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
     report = grade(submission, replace(rigid_body, load_s=0.3), sandbox, 3).report
     assert report.score == report.max_score == 23 and report.not_attempted == ["1", "6"], report.text()
-    assert "cell 2: your code used more than 0.3 s of CPU time; of the cells after it, only definitions were run" in report.text()
+    assert (
+        "cell 2: your code used more than 0.3 s of CPU time; of the cells after it, only definitions were run"
+        in report.text()
+    )
 
 
 def test_a_motion_forged_without_its_probes_earns_nothing(rigid_body, sandbox):

@@ -1,4 +1,6 @@
-"""The time budget of a grading: all its processes share it, and a machine without a free processor is no reason for a verdict."""
+"""The time budget of a grading: all its processes share it, and a machine without a free processor is no
+reason for a verdict.
+"""
 
 import contextlib
 import os
@@ -35,11 +37,15 @@ def short_waits(monkeypatch):
 
 
 def play(sandbox, source, scenes=8, budget_s=3.0, **limits):
-    """Play scenes whose own limits are far above those of all together. Return the result, which must not take as long."""
+    """Play scenes whose own limits are far above those of all together. Return the result, which must not
+    take as long.
+    """
     sandbox.wait_ready()
     began = time.monotonic()
     budget = TimeBudget(TimeLimits(**limits))
-    seen = sandbox.play(job(source, *(scene(f"s{k}", budget_s=budget_s) for k in range(scenes))), budget=budget)
+    seen = sandbox.play(
+        job(source, *(scene(f"s{k}", budget_s=budget_s) for k in range(scenes))), budget=budget
+    )
     assert time.monotonic() - began < LONGEST_S
     return seen
 
@@ -60,7 +66,9 @@ def test_processes_that_sleep_share_one_deadline(either_sandbox, stall):
     assert seen.scene_ends["s7"].sentence == "your submission did not finish within 1.5 s in all"
     assert seen.scene_ends["s7"].code == "timeout"
     following = either_sandbox.play(job(GOOD))
-    assert following.finished("one"), f"the next submission has a budget of its own: {following.scene_ends} {following.cells}"
+    assert following.finished("one"), (
+        f"the next submission has a budget of its own: {following.scene_ends} {following.cells}"
+    )
 
 
 @BY_THE_HOST
@@ -80,7 +88,10 @@ def test_a_process_that_starts_when_no_time_is_left_is_no_fault(sandbox, monkeyp
 
 
 def test_what_finished_before_the_limit_is_kept(sandbox):
-    source = f"{IGNORE_SIGNALS}\nn = []\ndef f(x):\n    n.append(x)\n    return [x, x] if len(n) < 3 else time.sleep(1000)"
+    source = (
+        f"{IGNORE_SIGNALS}\nn = []\ndef f(x):\n    n.append(x)\n    return [x, x] if len(n) < 3 else"
+        " time.sleep(1000)"
+    )
     seen = play(sandbox, source, wall_s=1.0)
     assert [name for name in seen.scene_ends if seen.finished(name)] == ["s0", "s1"]
 
@@ -89,7 +100,9 @@ def test_what_finished_before_the_limit_is_kept(sandbox):
 def test_a_submission_that_sleeps_through_its_grading_gets_a_report(rigid_body, sandbox, monkeypatch):
     monkeypatch.setattr(sandbox, "limits", TimeLimits(cpu_s=5.0, wall_s=1.5))
     began = time.monotonic()
-    report = grade(Submission(f"{IGNORE_SIGNALS}\ndef euler_eqs(t, w, I):\n    time.sleep(1000)"), rigid_body, sandbox, 3).report
+    report = grade(
+        Submission(f"{IGNORE_SIGNALS}\ndef euler_eqs(t, w, I):\n    time.sleep(1000)"), rigid_body, sandbox, 3
+    ).report
     assert time.monotonic() - began < LONGEST_S and report.score == 0
     assert {e.ended for e in report.scene_ends} == {Ended.TIMED_OUT, Ended.NOT_PLAYED}
 
@@ -100,7 +113,9 @@ def on_a_busy_processor(hogs):
     before, others = os.sched_getaffinity(0), []
     try:
         os.sched_setaffinity(0, {min(before)})
-        others = [subprocess.Popen(["sh", "-c", "while :; do :; done"], start_new_session=True) for _ in range(hogs)]
+        others = [
+            subprocess.Popen(["sh", "-c", "while :; do :; done"], start_new_session=True) for _ in range(hogs)
+        ]
         yield
     finally:
         os.sched_setaffinity(0, before)
@@ -142,7 +157,10 @@ def test_a_guest_that_waits_for_a_processor_is_waited_for(monkeypatch):
 
 def test_a_guest_that_sleeps_when_it_starts_is_a_fault(monkeypatch):
     monkeypatch.setattr(zygote, "START_S", 0.3)
-    began, sleeping = time.monotonic(), zygote.Zygote(GuestProcess(["sh", "-c", "sleep 60"], {}), threading.Event())
+    began, sleeping = (
+        time.monotonic(),
+        zygote.Zygote(GuestProcess(["sh", "-c", "sleep 60"], {}), threading.Event()),
+    )
     with pytest.raises(SystemFault, match="the sandbox did not start: no output"):
         sleeping.wait_ready()
     assert time.monotonic() - began < LONGEST_S
@@ -176,7 +194,9 @@ def test_a_submission_that_sleeps_through_the_limit_on_a_busy_machine_has_timed_
     scenes = [scene(f"s{k}", budget_s=1.0) for k in range(8)]
     with shared_with(2, sandbox):
         budget = TimeBudget(TimeLimits(cpu_s=10.0, wall_s=2.5))
-        seen = sandbox.play(job("import time\ndef f(x):\n    time.sleep(0.5)\n    return [x, x]", *scenes), budget=budget)
+        seen = sandbox.play(
+            job("import time\ndef f(x):\n    time.sleep(0.5)\n    return [x, x]", *scenes), budget=budget
+        )
     assert seen.scene_ends["s7"].ended is Ended.TIMED_OUT
 
 
@@ -197,5 +217,11 @@ def test_inputs_that_take_long_to_draw_do_not_use_up_the_submissions_time(rigid_
     slow = iter([2.5])
     monkeypatch.setattr(grading, "draw_inputs", lambda *asked: time.sleep(next(slow, 0.0)) or drawn(*asked))
     monkeypatch.setattr(sandbox, "limits", limits)
-    report = grade(Submission("def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"), rigid_body, sandbox, 1, ["2"]).report
+    report = grade(
+        Submission("def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"),
+        rigid_body,
+        sandbox,
+        1,
+        ["2"],
+    ).report
     assert report.passed, report.text()

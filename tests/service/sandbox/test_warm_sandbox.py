@@ -1,4 +1,6 @@
-"""A worker's sandbox: small guests in turn, and the guest with SciPy and matplotlib for submissions that need it."""
+"""A worker's sandbox: small guests in turn, and the guest with SciPy and matplotlib for submissions that need
+it.
+"""
 
 import os
 import signal
@@ -60,7 +62,10 @@ def test_a_submission_that_uses_a_library_is_played_with_it_from_then_on(warm_sa
     assert result.arrays["one"]["x"] == pytest.approx(0.8414709848) and result.stdout == "begun\n"
     small, own = plays(warm_sandbox)
     assert warm_sandbox.play(uses).finished("one") and plays(warm_sandbox) == (small, own + 1)
-    assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one") and plays(warm_sandbox)[1] == own + 1
+    assert (
+        warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
+        and plays(warm_sandbox)[1] == own + 1
+    )
 
 
 def started_children(monkeypatch):
@@ -76,7 +81,11 @@ def started_children(monkeypatch):
 
 
 def test_a_job_is_played_in_the_child_that_was_started_for_it(warm_sandbox, monkeypatch):
-    right, budget, children = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), started_children(monkeypatch)
+    right, budget, children = (
+        job("def f():\n    return 1.0"),
+        TimeBudget(warm_sandbox.limits),
+        started_children(monkeypatch),
+    )
     for count in (1, 2):
         warm_sandbox.start_child(right, budget)
         warm_sandbox.start_child(right, budget)  # there is one
@@ -90,8 +99,12 @@ def test_a_job_is_played_in_the_child_that_was_started_for_it(warm_sandbox, monk
 def test_a_job_that_the_started_child_cannot_play_gets_another_child(warm_sandbox, monkeypatch, tmp_path):
     (tmp_path / "factor").write_text("3.0")
     right, limits = job("def f():\n    return 3.0"), warm_sandbox.limits
-    other = replace(right, setup=SETUP + "\nimport builtins\nf = getattr(builtins, 'seen', 3.0)\nbuiltins.seen = 4.0")
-    data = replace(job("def f():\n    return float(open('factor').read())"), data={"factor": tmp_path / "factor"})
+    other = replace(
+        right, setup=SETUP + "\nimport builtins\nf = getattr(builtins, 'seen', 3.0)\nbuiltins.seen = 4.0"
+    )
+    data = replace(
+        job("def f():\n    return float(open('factor').read())"), data={"factor": tmp_path / "factor"}
+    )
     less = TimeLimits(1.0, limits.wall_s)
     asks = {
         "the same": (right, limits, 1),
@@ -104,14 +117,19 @@ def test_a_job_that_the_started_child_cannot_play_gets_another_child(warm_sandbo
     children = started_children(monkeypatch)
     for what, (asked, allowed, count) in asks.items():
         warm_sandbox.start_child(right, TimeBudget(limits))
-        assert warm_sandbox.play(asked, budget=TimeBudget(allowed)).arrays["one"]["x"] == 3.0 and len(children) == count, what
+        assert (
+            warm_sandbox.play(asked, budget=TimeBudget(allowed)).arrays["one"]["x"] == 3.0
+            and len(children) == count
+        ), what
         assert children[-1].limit == allowed.cpu_s, what
         children.clear()
 
 
 KILLS = {
     "the guest": lambda guest: os.kill(zygote_pid(guest), signal.SIGKILL),
-    "the child": lambda guest: [os.kill(child, signal.SIGKILL) for child in machines.children(zygote_pid(guest))],
+    "the child": lambda guest: [
+        os.kill(child, signal.SIGKILL) for child in machines.children(zygote_pid(guest))
+    ],
 }
 
 
@@ -129,7 +147,11 @@ def test_what_was_lost_after_a_child_had_started_is_replaced(warm_sandbox, kille
 
 
 def test_a_guest_that_does_not_start_is_replaced(warm_sandbox, monkeypatch):
-    right, budget, guest = job("def f():\n    return 1.0"), TimeBudget(warm_sandbox.limits), warm_sandbox._guests[0]
+    right, budget, guest = (
+        job("def f():\n    return 1.0"),
+        TimeBudget(warm_sandbox.limits),
+        warm_sandbox._guests[0],
+    )
     guest._end_guest()
     with monkeypatch.context() as context, pytest.raises(SystemFault):
         context.setattr(guest, "isolation", replace(guest.isolation, around=("/bin/false",), inside=()))
@@ -148,7 +170,9 @@ def test_a_grading_leaves_no_child_without_a_job(warm_sandbox, rigid_body, monke
 
 @pytest.mark.parametrize("small", [True, False])
 def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(small):
-    plays = "import ecp.kinds as kinds\n" + PLAYS.replace('["f"]()', '["f"]() * (kinds.agreement.__name__ == "agreement")')
+    plays = "import ecp.kinds as kinds\n" + PLAYS.replace(
+        '["f"]()', '["f"]() * (kinds.agreement.__name__ == "agreement")'
+    )
     replaces = "import ecp.kinds\necp.kinds.agreement = print\ndef f():\n    return 1.0"
     guest = Sandbox(choose(), small=small)
     try:
@@ -162,7 +186,15 @@ def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(sm
 
 def test_a_small_guest_imports_only_what_children_need():
     """Its start is most of the time of grading one file."""
-    unneeded = {"ecp.course", "ecp.exercise", "ecp.kinds", "email", "html", "importlib.resources", "matplotlib.figure"}
+    unneeded = {
+        "ecp.course",
+        "ecp.exercise",
+        "ecp.kinds",
+        "email",
+        "html",
+        "importlib.resources",
+        "matplotlib.figure",
+    }
     guest = Sandbox(choose(), small=True)
     try:
         guest.self_test()
@@ -183,7 +215,9 @@ def test_two_threads_play_at_the_same_time(warm_sandbox):
     right = job("import time\ndef f():\n    return 1.0")
 
     def play():
-        seen.append(warm_sandbox.play(right, lambda scene, so_far: both.wait()))  # returns when both scenes have begun
+        seen.append(
+            warm_sandbox.play(right, lambda scene, so_far: both.wait())
+        )  # returns when both scenes have begun
 
     threads = [threading.Thread(target=play) for _ in range(2)]
     for thread in threads:
@@ -206,10 +240,16 @@ def test_two_threads_that_need_the_same_guest_wait_for_each_other(warm_sandbox):
 def test_parts_of_jobs_are_sent_once_and_again_to_a_guest_that_replaces_another(warm_sandbox, monkeypatch):
     values, sent, encode = Kept.of([1.5] * 1000), [], Kept.encode
     monkeypatch.setattr(Kept, "encode", lambda kept: sent.append(kept) or encode(kept))
-    plays = "def ask(student, inputs):\n    return {'x': student['np'].asarray(sum(inputs['values']) * student['f']())}"
+    plays = (
+        "def ask(student, inputs):\n    return {'x': student['np'].asarray(sum(inputs['values']) *"
+        " student['f']())}"
+    )
     asked = SceneRequest("one", "ask", "f", {"values": values}, {"x": ArraySpec(())}, 2.0, None)
     right = Job(SETUP, plays, (Cell("cell 1", "def f():\n    return 2.0"),), ("f",), (asked,))
-    assert values.name.encode() in right.encode(kept=True) and len(right.encode(kept=True)) < len(right.encode()) - 4000
+    assert (
+        values.name.encode() in right.encode(kept=True)
+        and len(right.encode(kept=True)) < len(right.encode()) - 4000
+    )
     for _ in range(6):
         assert warm_sandbox.play(right).arrays["one"]["x"] == 3000.0
     assert sent.count(values) == 2  # once to each small guest
@@ -221,16 +261,24 @@ def test_parts_of_jobs_are_sent_once_and_again_to_a_guest_that_replaces_another(
 
 
 def test_a_submission_that_changes_what_its_guest_keeps_does_not_change_it_for_the_next(warm_sandbox):
-    plays = "import numpy as np\ndef ask(student, inputs):\n    return {'x': np.asarray(student['f'](inputs['values']))}"
+    plays = (
+        "import numpy as np\ndef ask(student, inputs):\n    return {'x':"
+        " np.asarray(student['f'](inputs['values']))}"
+    )
     asked = SceneRequest("one", "ask", "f", {"values": Kept.of([1.5] * 30)}, {"x": ArraySpec(())}, 2.0, None)
-    for source in ("def f(values):\n    values.append(9.0)\n    return sum(values)", "def f(values):\n    return sum(values)"):
+    for source in (
+        "def f(values):\n    values.append(9.0)\n    return sum(values)",
+        "def f(values):\n    return sum(values)",
+    ):
         right = Job(SETUP, plays, (Cell("cell 1", source),), ("f",), (asked,))
         found = [float(warm_sandbox.play(right).arrays["one"]["x"]) for _ in range(2)]
     assert found == [45.0, 45.0]
 
 
 def test_a_submission_does_not_see_what_its_guest_keeps_for_others(warm_sandbox):
-    other = SceneRequest("one", "ask", "f", {"values": Kept.of("of another assignment")}, {"x": ArraySpec(())}, 2.0, None)
+    other = SceneRequest(
+        "one", "ask", "f", {"values": Kept.of("of another assignment")}, {"x": ArraySpec(())}, 2.0, None
+    )
     right = job("def f():\n    return 1.0")
     for _ in range(2):
         assert warm_sandbox.play(replace(right, scenes=(other,))).finished("one")
@@ -335,7 +383,9 @@ def play(sandbox, asked):
 
 
 def test_the_setup_runs_before_the_job_arrives(warm_sandbox):
-    asks = with_setup("import time\nbegun = time.monotonic()", "def f():\n    return time.monotonic() - begun")
+    asks = with_setup(
+        "import time\nbegun = time.monotonic()", "def f():\n    return time.monotonic() - begun"
+    )
     for _ in warm_sandbox._guests:
         assert play(warm_sandbox, asks).arrays["one"]["x"] < 5.0
     time.sleep(0.6)
@@ -344,15 +394,30 @@ def test_the_setup_runs_before_the_job_arrives(warm_sandbox):
 
 
 def test_a_child_has_its_own_setup_and_nothing_of_others(warm_sandbox):
-    first = with_setup("import builtins\nbuiltins.seen, several = 1.0, []", "several.append(1)\ndef f():\n    return len(several)")
+    first = with_setup(
+        "import builtins\nbuiltins.seen, several = 1.0, []",
+        "several.append(1)\ndef f():\n    return len(several)",
+    )
     second = with_setup("import builtins", "def f():\n    return getattr(builtins, 'seen', 0.0)")
-    for asked, expected in ((first, 1.0), (first, 1.0), (first, 1.0), (second, 0.0), (second, 0.0), (first, 1.0), (second, 0.0)):
+    for asked, expected in (
+        (first, 1.0),
+        (first, 1.0),
+        (first, 1.0),
+        (second, 0.0),
+        (second, 0.0),
+        (first, 1.0),
+        (second, 0.0),
+    ):
         assert play(warm_sandbox, asked).arrays["one"]["x"] == expected
 
 
 def test_a_setup_that_reads_data_files_runs_when_they_are_there(warm_sandbox, tmp_path):
     (tmp_path / "factor").write_text("3.0")
-    asked = with_setup("factor = float(open('factor').read())", "def f():\n    return factor", data={"factor": tmp_path / "factor"})
+    asked = with_setup(
+        "factor = float(open('factor').read())",
+        "def f():\n    return factor",
+        data={"factor": tmp_path / "factor"},
+    )
     for _ in range(4):
         assert play(warm_sandbox, asked).arrays["one"]["x"] == 3.0
 

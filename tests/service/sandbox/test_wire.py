@@ -17,7 +17,13 @@ from service.sandbox.untrusted_text import text
 from service.sandbox.wire import ProtocolError, Reader
 
 SCENE = SceneRequest(
-    "s", "play", "f", {}, {"w": ArraySpec((3, 2)), "film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None
+    "s",
+    "play",
+    "f",
+    {},
+    {"w": ArraySpec((3, 2)), "film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)},
+    1.0,
+    None,
 )
 JOB = Job("", "", (Cell("cell 1", ""),), ("f", "g"), (SCENE,))
 
@@ -38,7 +44,10 @@ def arrays(size=48 + 12, **shapes):
 
 
 ARRAYS = arrays()
-START, FINISHED = event(event="start", scene="s"), event(event="scene", scene="s", ended="finished", sentence="")
+START, FINISHED = (
+    event(event="start", scene="s"),
+    event(event="scene", scene="s", ended="finished", sentence=""),
+)
 
 
 def read(*frames, at_once=True):
@@ -125,7 +134,9 @@ def asked(*frames, returns=ANSWERS):
 
 def test_an_answer_is_taken_once_for_each_question():
     reader = asked(ANSWER)
-    assert [{name: array.tolist() for name, array in one.items()} for one in reader.answers] == [{"x": [1.0, 2.0, 3.0], "n": 4.0}]
+    assert [{name: array.tolist() for name, array in one.items()} for one in reader.answers] == [
+        {"x": [1.0, 2.0, 3.0], "n": 4.0}
+    ]
     with pytest.raises(ProtocolError, match="an answer without a question"):
         reader.feed(ANSWER)
 
@@ -134,15 +145,27 @@ def test_an_array_that_is_alone_replaces_all_others():
     returns = {**ANSWERS, "known": ArraySpec((), alone=True)}
     reader = asked(ANSWER, answer(known=np.array(2.0)), returns=returns)
     assert [sorted(one) for one in reader.answers] == [["n", "x"], ["known"]]
-    for wrong in (answer(known=np.ones(()), x=np.ones(3), n=np.ones(())), answer(x=np.ones(3)), answer(known=np.ones(1)), answer()):
+    for wrong in (
+        answer(known=np.ones(()), x=np.ones(3), n=np.ones(())),
+        answer(x=np.ones(3)),
+        answer(known=np.ones(1)),
+        answer(),
+    ):
         with pytest.raises(ProtocolError):
             asked(wrong, returns=returns)
 
 
 def test_lengths_may_change_from_answer_to_answer_where_the_specification_allows_it():
     film = {"film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)}
-    reader = asked(answer(film=np.ones((1, 2, 2, 3), np.uint8)), answer(film=np.zeros((4, 2, 2, 3), np.uint8)), returns=film)
-    assert [(one["film"].dtype, len(one["film"]), one["film"].max()) for one in reader.answers] == [("u1", 1, 1), ("u1", 4, 0)]
+    reader = asked(
+        answer(film=np.ones((1, 2, 2, 3), np.uint8)),
+        answer(film=np.zeros((4, 2, 2, 3), np.uint8)),
+        returns=film,
+    )
+    assert [(one["film"].dtype, len(one["film"]), one["film"].max()) for one in reader.answers] == [
+        ("u1", 1, 1),
+        ("u1", 4, 0),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -167,16 +190,33 @@ def test_an_answer_has_the_arrays_asked_for(frame):
         asked(frame)
 
 
-CLAIM_HEAD = {"kind": "check", "label": "a", "detail": "", "unfit": "", "left_out": "", "cell": "cell 1", "numbers": {}}
+CLAIM_HEAD = {
+    "kind": "check",
+    "label": "a",
+    "detail": "",
+    "unfit": "",
+    "left_out": "",
+    "cell": "cell 1",
+    "numbers": {},
+}
 CLAIM = headed(CLAIM_HEAD | {"arrays": {"condition": []}}, struct.pack("<d", 1.0), b"C")
 DEFINED = event(event="defined", names=[], claims_left_out=7)
 
 
 def test_claims_are_taken_while_the_cells_run_up_to_a_number():
     _, seen = read(*[CLAIM] * MOST_CLAIMS, DEFINED, at_once=False)
-    assert [check.line for check in seen.claims] == ["✓  a   [True]"] * MOST_CLAIMS and seen.claims_left_out == 7
-    left_out = [event(event="defined", names=[], claims_left_out=many) for many in (-1, 1.5, True, "7", 1 << 60)]
-    for frames in ([DEFINED, CLAIM], [CLAIM] * (MOST_CLAIMS + 1), [CLAIM[:-1], DEFINED], *([one] for one in left_out)):
+    assert [check.line for check in seen.claims] == [
+        "✓  a   [True]"
+    ] * MOST_CLAIMS and seen.claims_left_out == 7
+    left_out = [
+        event(event="defined", names=[], claims_left_out=many) for many in (-1, 1.5, True, "7", 1 << 60)
+    ]
+    for frames in (
+        [DEFINED, CLAIM],
+        [CLAIM] * (MOST_CLAIMS + 1),
+        [CLAIM[:-1], DEFINED],
+        *([one] for one in left_out),
+    ):
         with pytest.raises(ProtocolError):
             read(*frames)
 
@@ -196,7 +236,11 @@ def test_a_diagnosis_code_is_one_that_a_guest_may_name():
 def test_a_question_is_named_arrays_and_its_numbers_are_floats():
     asked = {"t": 2.5, "n": 3, "w": np.arange(6.0).reshape(2, 3).T, "none": np.zeros((0, 3))}
     got = unpack(pack(asked))
-    assert list(got) == list(asked) and type(got["t"]) is type(got["n"]) is float and (got["t"], got["n"]) == (2.5, 3.0)
+    assert (
+        list(got) == list(asked)
+        and type(got["t"]) is type(got["n"]) is float
+        and (got["t"], got["n"]) == (2.5, 3.0)
+    )
     assert np.array_equal(got["w"], asked["w"]) and got["w"].flags.writeable and got["none"].shape == (0, 3)
 
 
@@ -206,5 +250,7 @@ def test_texts_are_bounded_and_harmless():
     assert shown == "a\ufffd[31m\ufffdb\ufffd\ufffdc\n\td\ufffd"
     assert shown.encode()
     assert len(text("x" * 10**6)) == 8192
-    _, seen = read(START, event(event="scene", scene="s", ended="raised", sentence=wild, traceback=[wild], code=7))
+    _, seen = read(
+        START, event(event="scene", scene="s", ended="raised", sentence=wild, traceback=[wild], code=7)
+    )
     json.dumps(document(seen.scene_ends["s"])).encode()

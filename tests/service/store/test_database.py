@@ -1,4 +1,6 @@
-"""Connections that break, or that nobody gives back, are an outage that ends; no query waits without limit."""
+"""Connections that break, or that nobody gives back, are an outage that ends;
+no query waits without limit.
+"""
 
 import asyncio
 
@@ -10,14 +12,17 @@ from tests.support.database import run, sql
 
 
 def test_a_query_whose_connection_was_closed_runs_on_a_new_one(database_url):
-    others = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()"
+    others = (
+        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database() AND pid <>"
+        " pg_backend_pid()"
+    )
 
     async def act(database):
         await asyncio.gather(*(database.rows("SELECT pg_sleep(0.1)") for _ in range(3)))
         sql(database_url, others)
-        assert await database.rows("SELECT :number + 1 AS next, '10:30'::time::text, 'a%s'", {"number": 1}) == [
-            (2, "10:30:00", "a%s")
-        ]
+        assert await database.rows(
+            "SELECT :number + 1 AS next, '10:30'::time::text, 'a%s'", {"number": 1}
+        ) == [(2, "10:30:00", "a%s")]
         sql(database_url, others)
         with pytest.raises(NoConnection) as raised:
             async with database.begin() as connection:
@@ -28,7 +33,14 @@ def test_a_query_whose_connection_was_closed_runs_on_a_new_one(database_url):
         with pytest.raises(psycopg.errors.UniqueViolation):
             async with database.begin() as connection:
                 await connection.execute("INSERT INTO person (name) VALUES ('cem'), ('ann')")
-        assert len(await database.rows("SELECT name FROM person WHERE name = ANY(:names)", {"names": ["ann", "ben", "cem"]})) == 2
+        assert (
+            len(
+                await database.rows(
+                    "SELECT name FROM person WHERE name = ANY(:names)", {"names": ["ann", "ben", "cem"]}
+                )
+            )
+            == 2
+        )
 
     run(database_url, act)
 

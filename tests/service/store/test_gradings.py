@@ -20,7 +20,11 @@ def jobs(url):
 
 
 def fall_silent(url):
-    sql(url, "UPDATE run SET heartbeat_at = now() - interval '1 minute', ended_at = ended_at - interval '1 minute'")
+    sql(
+        url,
+        "UPDATE run SET heartbeat_at = now() - interval '1 minute', ended_at = ended_at - interval '1"
+        " minute'",
+    )
     sql(url, "UPDATE procrastinate_events SET at = at - interval '1 minute'")
     sql(url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
 
@@ -69,7 +73,9 @@ def test_what_runs_is_told_at_its_next_beat_and_does_not_come_back(database_url)
     run(database_url, lambda d: runs.supersede(d, claimed))
     run(database_url, lambda d: runs.release(d, claimed, "released", "the worker was stopped"))
     assert sql(database_url, "SELECT end_reason FROM run") == [("cancelled",)]
-    sql(database_url, "DELETE FROM procrastinate_jobs WHERE status = 'doing'")  # as the worker does at the end of a job
+    sql(
+        database_url, "DELETE FROM procrastinate_jobs WHERE status = 'doing'"
+    )  # as the worker does at the end of a job
     assert forgotten(database_url) == [] and jobs(database_url) == 0
 
 
@@ -106,7 +112,11 @@ def test_cancelled_while_it_finishes_the_first_result_stays(database_url, repeti
     answers = run(database_url, both)
     stored = run(database_url, lambda d: records.read(d, id))
     if stored.status == "graded":
-        assert any(isinstance(a, AlreadyFinished) for a in answers) and True in answers and stored.cancelled_by is None
+        assert (
+            any(isinstance(a, AlreadyFinished) for a in answers)
+            and True in answers
+            and stored.cancelled_by is None
+        )
         assert sql(database_url, "SELECT end_reason FROM run") == [("finished",)]
         assert sql(database_url, "SELECT count(*) FROM audit WHERE action = 'cancel'") == [(0,)]
     else:
@@ -120,7 +130,9 @@ def test_cancelled_while_a_worker_claims_it(database_url, repetition):
     _, grading = submitted(database_url)
 
     async def both(database):
-        return await asyncio.gather(runs.claim(database, grading, uuid.uuid4(), "w"), cancel(database, grading, "prof"))
+        return await asyncio.gather(
+            runs.claim(database, grading, uuid.uuid4(), "w"), cancel(database, grading, "prof")
+        )
 
     claimed, _ = run(database_url, both)
     if claimed is not None:
@@ -132,7 +144,9 @@ def test_twice_is_once_and_a_report_is_not_cancelled(database_url):
     _, grading = submitted(database_url)
 
     async def two(database):
-        return await asyncio.gather(*(cancel(database, grading, who) for who in ("a", "b")), return_exceptions=True)
+        return await asyncio.gather(
+            *(cancel(database, grading, who) for who in ("a", "b")), return_exceptions=True
+        )
 
     assert sorted(type(a).__name__ for a in run(database_url, two)) == ["AlreadyFinished", "UUID"]
     _, other = submitted(database_url, "ben")
@@ -158,7 +172,9 @@ def test_it_can_be_tried_again_and_what_has_a_report_cannot(database_url):
     again = lambda d: regrade(d, [id, fine], "tutor", faults=True)  # noqa: E731
     assert run(database_url, again) == 1 and run(database_url, again) == 0  # it is being graded
     assert run(database_url, lambda d: records.read(d, id)).status == "queued"
-    assert sql(database_url, "SELECT actor, subject FROM audit WHERE action = 'regrade'") == [("tutor", str(id))]
+    assert sql(database_url, "SELECT actor, subject FROM audit WHERE action = 'regrade'") == [
+        ("tutor", str(id))
+    ]
     ((second,),) = sql(database_url, "SELECT id FROM grading WHERE submission_id = %s AND number = 2", id)
     finish(database_url, second, "++")
     stored = run(database_url, lambda d: records.read(d, id))
@@ -167,10 +183,15 @@ def test_it_can_be_tried_again_and_what_has_a_report_cannot(database_url):
 
 def test_of_a_long_queue_the_first_two_hundred_are_shown_and_all_are_counted(database_url):
     _, grading = submitted(database_url)
-    more = "INSERT INTO procrastinate_jobs (queue_name, task_name, priority, args) SELECT queue_name, task_name, priority, args "
+    more = (
+        "INSERT INTO procrastinate_jobs (queue_name, task_name, priority, args) SELECT queue_name, task_name,"
+        " priority, args "
+    )
     sql(database_url, more + "FROM procrastinate_jobs, generate_series(1, 249)")
     queue = run(database_url, snapshot)
-    assert [place.position for place in queue.places] == list(range(1, 201)) and queue.places[0].grading == grading
+    assert [place.position for place in queue.places] == list(range(1, 201)) and queue.places[
+        0
+    ].grading == grading
     assert queue.places[0].total == queue.waiting[0].n == 250
 
 

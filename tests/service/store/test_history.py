@@ -7,9 +7,14 @@ from tests.support.submissions import graded, submitted
 
 def test_a_history_has_the_persons_own_submissions_only(url):
     first, theirs, second = (submitted(url, name)[0] for name in ("ann", "ben", "ann"))
-    assert [one.id for one in run(url, lambda d: history.past_submissions(d, "ann", "rigid-body"))] == [second, first]
+    assert [one.id for one in run(url, lambda d: history.past_submissions(d, "ann", "rigid-body"))] == [
+        second,
+        first,
+    ]
     assert [one.id for one in run(url, lambda d: history.timeline(d, "ann", "rigid-body"))] == [second, first]
-    assert [one.id for one in run(url, lambda d: history.past_submissions(d, "ben", "rigid-body"))] == [theirs]
+    assert [one.id for one in run(url, lambda d: history.past_submissions(d, "ben", "rigid-body"))] == [
+        theirs
+    ]
     assert run(url, lambda d: history.past_submissions(d, "nobody", "rigid-body")) == []
 
 
@@ -17,7 +22,10 @@ def test_lists_have_the_total_of_the_report_or_else_the_checks_made(url):
     new = graded(url, "eve", "+-", total=36, not_attempted=["1"])
     old = graded(url, "eve", "+-+")
     for found in (history.past_submissions, history.timeline):
-        assert {one.id: one.total for one in run(url, lambda d, f=found: f(d, "eve", "rigid-body"))} == {new: 36, old: 3}
+        assert {one.id: one.total for one in run(url, lambda d, f=found: f(d, "eve", "rigid-body"))} == {
+            new: 36,
+            old: 3,
+        }
     assert {one.id: one.total for one in run(url, lambda d: records.recent(d, 9, "eve"))} == {new: 36, old: 3}
     assert run(url, lambda d: records.read(d, old)).report.total is None
 

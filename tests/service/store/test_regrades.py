@@ -1,4 +1,6 @@
-"""Regrades: preview until they are applied, all at once, by one; what was shown stays, and nothing preview counts anywhere."""
+"""Regrades: preview until they are applied, all at once, by one; what was shown stays, and nothing preview
+counts anywhere.
+"""
 
 import asyncio
 
@@ -15,7 +17,9 @@ from tests.support.submissions import claim, finish, grade_open, graded, open_gr
 
 
 def begin(url, which=BEST, check=None):
-    return run(url, lambda d: regrades.create(d, "rigid-body", which, "tutor", check=check, description="a test"))
+    return run(
+        url, lambda d: regrades.create(d, "rigid-body", which, "tutor", check=check, description="a test")
+    )
 
 
 def points(url, submission):
@@ -27,11 +31,18 @@ def read(url, told, id):
 
 
 def test_nothing_shown_changes_until_it_is_applied(database_url):
-    ann, ben, cleo = (graded(database_url, p, told) for p, told in (("ann", "+-"), ("ben", "++"), ("cleo", "--")))
+    ann, ben, cleo = (
+        graded(database_url, p, told) for p, told in (("ann", "+-"), ("ben", "++"), ("cleo", "--"))
+    )
     id = begin(database_url)
-    assert read(database_url, regrades.find, id).total == 3 and read(database_url, regrades.find, id).finished == 0
+    assert (
+        read(database_url, regrades.find, id).total == 3
+        and read(database_url, regrades.find, id).finished == 0
+    )
     assert len({submission for submission, _ in open_gradings(database_url)}) == 3
-    assert sql(database_url, "SELECT DISTINCT seed, kind, preview FROM grading WHERE number = 2") == [(7, "regrade", True)]
+    assert sql(database_url, "SELECT DISTINCT seed, kind, preview FROM grading WHERE number = 2") == [
+        (7, "regrade", True)
+    ]
     with pytest.raises(RegradeIncomplete, match="3 of its"):
         run(database_url, lambda d: regrades.apply(d, id, "prof"))
     grade_open(database_url, {ann: "++", ben: "+-", cleo: "--"})
@@ -46,9 +57,12 @@ def test_nothing_shown_changes_until_it_is_applied(database_url):
     assert run(database_url, lambda d: regrades.apply(d, id, "prof")) == 3
     assert [points(database_url, one) for one in (ann, ben, cleo)] == [2, 1, 0]
     assert told == {
-        r.person: (r.was_points, r.points, r.was_version, r.version) for r in read(database_url, regrades.score_changes, id)
+        r.person: (r.was_points, r.points, r.was_version, r.version)
+        for r in read(database_url, regrades.score_changes, id)
     }
-    assert flips == {(row.check_id, row.was, row.now) for row in read(database_url, regrades.check_changes, id)}
+    assert flips == {
+        (row.check_id, row.was, row.now) for row in read(database_url, regrades.check_changes, id)
+    }
     applied = read(database_url, regrades.find, id)
     assert (applied.decided, applied.decided_by) == ("applied", "prof") and applied.decided_at is not None
     assert sql(database_url, "SELECT count(*) FROM grading") == [(6,)]  # the first ones are still there
@@ -67,16 +81,22 @@ def test_what_is_held_counts_nowhere(database_url):
     assert [f.submission for f in run(database_url, snapshot).faults] == [id]
     sql(database_url, "UPDATE assignment SET submission_limit = 1")
     one = new()
-    assert run(database_url, lambda d: accept(d, one)).fresh  # the fault, preview grading or not, used nothing up
+    assert run(
+        database_url, lambda d: accept(d, one)
+    ).fresh  # the fault, preview grading or not, used nothing up
     finish(database_url, preview, "++")
     assert run(database_url, lambda d: records.read(d, id)).status == "faulted"
     assert run(database_url, lambda d: records.state(d, id)).number == 1
     assert [f.submission for f in run(database_url, snapshot).faults] == [id]
-    assert {p.id: p.score for p in run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))} == {
+    assert {
+        p.id: p.score for p in run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))
+    } == {
         id: None,
         one.id: None,
     }
-    assert run(database_url, lambda d: regrade(d, "faults", "x")) == 1  # the last one that counts is the fault
+    assert (
+        run(database_url, lambda d: regrade(d, "faults", "x")) == 1
+    )  # the last one that counts is the fault
 
 
 def test_a_held_grading_that_is_under_way_does_not_stop_an_immediate_regrade(database_url):
@@ -148,7 +168,8 @@ def test_a_fault_stays_held_and_the_others_are_applied(database_url):
     grade_open(database_url, {ann: "+"})
     sql(
         database_url,
-        "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading WHERE submission_id = %s AND preview",
+        "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading WHERE submission_id = %s AND"
+        " preview",
         ben,
     )
     assert run(database_url, lambda d: regrades.apply(d, id, "prof")) == 1
@@ -165,7 +186,11 @@ def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
         grade_open(database_url, {ann: "+" * (k % 2 + 1)})
 
         async def at_once(database, id=id):
-            asked = [regrades.apply(database, id, "a"), regrades.apply(database, id, "b"), regrades.drop(database, id, "c")]
+            asked = [
+                regrades.apply(database, id, "a"),
+                regrades.apply(database, id, "b"),
+                regrades.drop(database, id, "c"),
+            ]
             return await asyncio.gather(*asked, return_exceptions=True)
 
         answers = run(database_url, at_once)
@@ -175,7 +200,9 @@ def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
         assert [e for e in map(str, answers) if "already" in e] == [sentence] * 2
         preview = sql(database_url, "SELECT count(*) FROM grading WHERE preview AND regrade_id = %s", id)
         assert preview == [(int(decided.decided == "dropped"),)]
-    assert sql(database_url, "SELECT count(*) FROM audit WHERE action IN ('regrade applied', 'regrade dropped')") == [(4,)]
+    assert sql(
+        database_url, "SELECT count(*) FROM audit WHERE action IN ('regrade applied', 'regrade dropped')"
+    ) == [(4,)]
 
 
 def test_dropped_it_grades_no_more_and_stays_held(database_url):
@@ -186,7 +213,10 @@ def test_dropped_it_grades_no_more_and_stays_held(database_url):
     claimed = claim(database_url, grading)
     assert run(database_url, lambda d: regrades.drop(d, id, "tutor")) == 1
     assert sql(database_url, "SELECT end_reason FROM run WHERE id = %s", claimed.run) == [("cancelled",)]
-    assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)] and open_gradings(database_url) == []
+    assert (
+        sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)]
+        and open_gradings(database_url) == []
+    )
     assert (points(database_url, ann), points(database_url, ben)) == (0, 0)
     sql(database_url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
     assert run(database_url, workers.sweep) == []
@@ -206,9 +236,12 @@ def test_begun_while_students_submit(database_url):
     id, *accepted = run(database_url, at_once)
     assert all(a.fresh for a in accepted) and read(database_url, regrades.find, id).total == 3
     places = (
-        "SELECT min(priority), max(priority) FROM procrastinate_jobs JOIN grading a ON a.id::text = args->>'attempt' WHERE kind = "
+        "SELECT min(priority), max(priority) FROM procrastinate_jobs JOIN grading a ON a.id::text ="
+        " args->>'attempt' WHERE kind = "
     )
-    (((first, _),), ((_, last),)) = (sql(database_url, places + kind) for kind in ("'interactive'", "'regrade'"))
+    ((first, _),), ((_, last),) = (
+        sql(database_url, places + kind) for kind in ("'interactive'", "'regrade'")
+    )
     assert first > last  # who waits for a first result goes before
 
 
@@ -219,7 +252,10 @@ def test_two_at_once_are_two(database_url):
     run(database_url, lambda d: regrades.apply(d, second, "prof"))
     (row,) = read(database_url, regrades.score_changes, first)
     assert row.overtaken and run(database_url, lambda d: regrades.apply(d, first, "prof")) == 0
-    assert points(database_url, id) == 1 and len(run(database_url, lambda d: regrades.of_assignment(d, "rigid-body"))) == 2
+    assert (
+        points(database_url, id) == 1
+        and len(run(database_url, lambda d: regrades.of_assignment(d, "rigid-body"))) == 2
+    )
 
 
 def test_lateness_is_decided_by_submission_time(database_url):
@@ -241,5 +277,6 @@ def test_a_preview_tells_lateness_as_every_page_does(database_url):
     assert read(database_url, regrades.score_changes, made)[0].late
     sql(database_url, "UPDATE assignment SET due_at = now() + interval '1 day'")
     assert (
-        not read(database_url, regrades.score_changes, made)[0].late and not run(database_url, lambda d: records.read(d, id)).late
+        not read(database_url, regrades.score_changes, made)[0].late
+        and not run(database_url, lambda d: records.read(d, id)).late
     )

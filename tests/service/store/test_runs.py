@@ -37,7 +37,9 @@ def claim(url, grading, worker="w1"):
 
 
 def finish(url, claimed, seed=7, **artefacts):
-    return run(url, lambda d: runs.finish(d, claimed, report(seed), {k: v.encode() for k, v in artefacts.items()}))
+    return run(
+        url, lambda d: runs.finish(d, claimed, report(seed), {k: v.encode() for k, v in artefacts.items()})
+    )
 
 
 def endings(url):
@@ -65,7 +67,9 @@ def test_a_result_and_its_artefacts(database_url, grading):
     assert finish(database_url, claimed, a="same")  # the answer to the first got lost
     stored = run(database_url, lambda d: records.read(d, grading[1]))
     assert stored.status == "graded" and stored.report.provenance.seed == 7
-    assert sql(database_url, "SELECT count(*) FROM artefact") == [(2,)] and endings(database_url) == ["finished"]
+    assert sql(database_url, "SELECT count(*) FROM artefact") == [(2,)] and endings(database_url) == [
+        "finished"
+    ]
     content, digest = run(database_url, lambda d: artefacts.find_artefact(d, grading[0], "b"))
     assert content == b"same" and len(digest) == 64
     assert claim(database_url, grading[0]) is None
@@ -122,15 +126,25 @@ def test_outcomes_are_stored_with_margins_that_are_infinite_or_missing(database_
     diagnosis = [Diagnosis(code="sign-flipped", sentence="„−“ for +", confidence=1.0)]
     outcomes = [
         Outcome(
-            id=id, label="l", verdict=Verdict.PASS, detail="d", tolerance=Tolerance(reason="r"), margin=margin, diagnosis=diagnosis
+            id=id,
+            label="l",
+            verdict=Verdict.PASS,
+            detail="d",
+            tolerance=Tolerance(reason="r"),
+            margin=margin,
+            diagnosis=diagnosis,
         )
         for id, margin in margins.items()
     ]
     graded = replace(report(), exercises=[ExerciseReport(number="2", title="t", outcomes=outcomes)])
     claimed = claim(database_url, grading[0])
     assert run(database_url, lambda d: runs.finish(d, claimed, graded, {}))
-    rows = sql(database_url, "SELECT check_id, state, margin, codes, causes, points, earned FROM outcome ORDER BY 1")
-    assert rows == [(id, "pass", margin, ["sign-flipped"], ["„−“ for +"], 1, 1) for id, margin in margins.items()]
+    rows = sql(
+        database_url, "SELECT check_id, state, margin, codes, causes, points, earned FROM outcome ORDER BY 1"
+    )
+    assert rows == [
+        (id, "pass", margin, ["sign-flipped"], ["„−“ for +"], 1, 1) for id, margin in margins.items()
+    ]
 
 
 def test_who_comes_second_changes_nothing(database_url, grading):
@@ -138,9 +152,9 @@ def test_who_comes_second_changes_nothing(database_url, grading):
     assert finish(database_url, second, seed=2, a="two")
     assert not finish(database_url, first, seed=1, a="one", z="one")
     assert run(database_url, lambda d: records.read(d, grading[1])).report.provenance.seed == 2
-    assert endings(database_url) == ["superseded", "finished"] and sql(database_url, "SELECT name FROM grading_artefact") == [
-        ("a",)
-    ]
+    assert endings(database_url) == ["superseded", "finished"] and sql(
+        database_url, "SELECT name FROM grading_artefact"
+    ) == [("a",)]
 
 
 def test_a_silent_run_is_lost_and_queued_again_and_a_living_one_is_not(database_url, grading):
@@ -162,7 +176,11 @@ def test_a_job_that_was_taken_and_never_begun_is_queued_again(database_url, grad
 def test_a_job_left_behind_by_a_finished_grading_goes(database_url, grading):
     take_jobs(database_url)
     finish(database_url, claim(database_url, grading[0]))
-    sql(database_url, "UPDATE run SET heartbeat_at = heartbeat_at - interval '1 minute', ended_at = ended_at - interval '1 minute'")
+    sql(
+        database_url,
+        "UPDATE run SET heartbeat_at = heartbeat_at - interval '1 minute', ended_at = ended_at - interval '1"
+        " minute'",
+    )
     sql(database_url, "UPDATE procrastinate_events SET at = at - interval '1 minute'")
     assert run(database_url, workers.recover) == []
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)]
@@ -192,7 +210,11 @@ def test_a_run_that_comes_back_late_gives_the_result_and_is_no_loss(database_url
     take_jobs(database_url)
     fall_silent(database_url)
     run(database_url, workers.recover)
-    assert endings(database_url) == ["lost"] and finish(database_url, slow) and endings(database_url) == ["finished"]
+    assert (
+        endings(database_url) == ["lost"]
+        and finish(database_url, slow)
+        and endings(database_url) == ["finished"]
+    )
 
 
 def test_released_runs_do_not_count_and_a_failed_one_is_repeated_once(database_url, grading):
@@ -219,9 +241,13 @@ def test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one(database_ur
     assert run(database_url, lambda d: workers.recover(d, lease, clock)) == []
     time.sleep(1.1 * lease)
     run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 2))
-    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [] and endings(database_url) == [None]
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [] and endings(database_url) == [
+        None
+    ]
     jump(database_url, hours)  # and one whose worker died before the jump
-    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [grading[0]] and endings(database_url) == ["lost"]
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [grading[0]] and endings(
+        database_url
+    ) == ["lost"]
     assert take_jobs(database_url) == 1
 
 
@@ -260,7 +286,9 @@ def test_a_regrade_does_not_hide_what_there_was(database_url, grading):
 
 @pytest.mark.slow
 def test_persons_take_turns(database_url):
-    """Ann sends five, then Ben two and Cleo one: nobody's next passes another's first, and Ann's second waits for no latecomer."""
+    """Ann sends five, then Ben two and Cleo one: nobody's next passes another's first, and Ann's second waits
+    for no latecomer.
+    """
 
     async def fill(database, *names):
         for name in names:
@@ -269,7 +297,10 @@ def test_persons_take_turns(database_url):
     run(database_url, lambda d: fill(d, "ann", "ann", "ann", "ann", "ann", "ben", "ben", "cleo"))
     order = []
     fetch = "SELECT (args->>'attempt')::uuid FROM procrastinate_fetch_job_v2(NULL, NULL)"
-    name = "SELECT p.name FROM grading a JOIN submission s ON s.id = submission_id JOIN person p ON p.id = person_id WHERE a.id = "
+    name = (
+        "SELECT p.name FROM grading a JOIN submission s ON s.id = submission_id JOIN person p ON p.id ="
+        " person_id WHERE a.id = "
+    )
     while (job := sql(database_url, fetch)[0][0]) is not None:
         order += sql(database_url, name + "%s", job)[0]
         if len(order) == 4:
@@ -279,16 +310,22 @@ def test_persons_take_turns(database_url):
 
 
 def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_url, grading):
-    """Whichever is first, the new one has nothing before it in the end: neither may rank while the other is not committed."""
+    """Whichever is first, the new one has nothing before it in the end: neither may rank while the other is
+    not committed.
+    """
     claimed = claim(database_url, grading[0])
 
     async def at_once(database):
         async with database.begin() as accepting:
-            await accepting.execute("SELECT pg_advisory_xact_lock(hashtextextended(person_id::text, 0)) FROM submission")
+            await accepting.execute(
+                "SELECT pg_advisory_xact_lock(hashtextextended(person_id::text, 0)) FROM submission"
+            )
             writing = asyncio.create_task(runs.finish(database, claimed, report(), {}))
             await asyncio.sleep(0.3)
             assert not writing.done()
-            await add_grading(accepting, grading[1], "interactive", 1)  # ranked behind the one that is being finished
+            await add_grading(
+                accepting, grading[1], "interactive", 1
+            )  # ranked behind the one that is being finished
         return await writing
 
     assert run(database_url, at_once)
@@ -345,7 +382,9 @@ def test_a_regrade_that_fails_gives_no_submission_back(database_url, grading):
     sql(database_url, "UPDATE assignment SET submission_limit = 1")
     finish(database_url, claim(database_url, grading[0]))
     run(database_url, lambda d: regrade(d, "all", "x"))
-    sql(database_url, "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading WHERE number = 2")
+    sql(
+        database_url, "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading WHERE number = 2"
+    )
     with pytest.raises(SubmissionRejected):
         run(database_url, lambda d: accept(d, new()))
     assert run(database_url, snapshot).faults == []  # the first report is still shown

@@ -56,17 +56,33 @@ def upgrade(url, revision):
 def old_url(empty_url):
     """A database as the first version left it: a graded submission, a faulted one and one that waits."""
     upgrade(empty_url, "0001")
-    insert = "INSERT INTO submission (id, assignment, source, filename, exercises, seed, fingerprint, idempotency_key) VALUES "
+    insert = (
+        "INSERT INTO submission (id, assignment, source, filename, exercises, seed, fingerprint,"
+        " idempotency_key) VALUES "
+    )
     for id, exercises, key in ((ONE, '["2"]', "k1"), (TWO, "null", "k2"), (THREE, None, None)):
-        sql(empty_url, insert + "(%s, 'rigid-body', 'def ω(): 1', 'a.py', %s, 11, 'f', %s)", id, exercises, key)
+        sql(
+            empty_url,
+            insert + "(%s, 'rigid-body', 'def ω(): 1', 'a.py', %s, 11, 'f', %s)",
+            id,
+            exercises,
+            key,
+        )
     provenance = '{"seed": 11, "versions": {}, "walls": "tier B"}'
     about = '"label": "l", "detail": "d", "tolerance": {"reason": "r"}'
-    checks = f'{{"id": "a", "verdict": "pass", "margin": 2.0, {about}}}, {{"id": "b", "verdict": "fail", "margin": 0.5, {about}}}'
+    checks = (
+        f'{{"id": "a", "verdict": "pass", "margin": 2.0, {about}}}, {{"id": "b", "verdict": "fail", "margin":'
+        f" 0.5, {about}}}"
+    )
     exercises = f'[{{"number": "2", "title": "t", "outcomes": [{checks}]}}]'
     told = f'"exercises": {exercises}, "score": 1.0, "max_score": 2.0'
     report = f'{{"assignment": "rigid-body", "version": "1", {told}, "provenance": {provenance}}}'
     sql(empty_url, "INSERT INTO result VALUES (%s, %s, NULL), (%s, 'null', 'ours')", ONE, report, TWO)
-    for id, name, content in ((ONE, "arrays.npz", b"same"), (ONE, "figures/a.svg", b"other"), (TWO, "arrays.npz", b"same")):
+    for id, name, content in (
+        (ONE, "arrays.npz", b"same"),
+        (ONE, "figures/a.svg", b"other"),
+        (TWO, "arrays.npz", b"same"),
+    ):
         digest = sha256(content).hexdigest()
         sql(empty_url, "INSERT INTO artefact VALUES (%s, %s, %s, %s)", id, name, digest, content)
     return empty_url
@@ -79,29 +95,52 @@ def test_what_an_old_database_holds_is_there_afterwards(old_url):
     migrate(old_url)
     one, two, three = (run(old_url, lambda d, id=id: records.read(d, id)) for id in (ONE, TWO, THREE))
     assert (one.status, two.status, three.status) == ("graded", "faulted", "queued")
-    assert one.exercises == ["2"] and two.exercises is None and one.seed == 11 and one.submission.source == "def ω(): 1"
+    assert (
+        one.exercises == ["2"]
+        and two.exercises is None
+        and one.seed == 11
+        and one.submission.source == "def ω(): 1"
+    )
     assert run(old_url, lambda d: artefacts.find_artefact(d, one.grading, "figures/a.svg"))[0] == b"other"
     assert sql(old_url, "SELECT count(*) FROM artefact") == [(2,)]
     assert not any(check(old_url).values())
-    assert sql(old_url, "SELECT check_id, points, earned FROM outcome ORDER BY 1") == [("a", 1, 1), ("b", 1, 0)]
+    assert sql(old_url, "SELECT check_id, points, earned FROM outcome ORDER BY 1") == [
+        ("a", 1, 1),
+        ("b", 1, 0),
+    ]
     assert (one.report.score, one.report.max_score, one.report.outcomes()[0].points) == (1, 2, 1)
     assert sql(old_url, "SELECT idempotency_key FROM submission ORDER BY id") == [("k1",), ("k2",), (None,)]
 
 
 TABLES_0005 = {
-    "artefact", "assignment", "assignment_version", "attempt", "audit", "course", "extension", "kept", "login", "member", "outcome",
-    "override", "person", "regrade", "result", "run", "secret", "sign_in", "submission", "token", "worker", "procrastinate_jobs",
+    "artefact", "assignment", "assignment_version", "attempt", "audit", "course", "extension", "kept",
+    "login", "member", "outcome",
+    "override", "person", "regrade", "result", "run", "secret", "sign_in", "submission", "token", "worker",
+    "procrastinate_jobs",
 }  # fmt: skip
-RENAMED = {"attempt": "grading", "kept": "grading_artefact", "login": "device_login", "sign_in": "oidc_account"}
+RENAMED = {
+    "attempt": "grading",
+    "kept": "grading_artefact",
+    "login": "device_login",
+    "sign_in": "oidc_account",
+}
 FIRST, PREVIEW, RUN, REGRADE = (uuid.UUID(int=n) for n in (11, 12, 13, 14))
 AT = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
 
 
 @pytest.fixture
 def full_url(empty_url):
-    """A database as revision 0005 left it, with rows in every table: a graded submission and its regrade that waits."""
+    """A database as revision 0005 left it, with rows in every table: a graded submission and its regrade that
+    waits.
+    """
     upgrade(empty_url, "0005")
-    ids = dict(zip(("one", "first", "preview", "run", "regrade"), map(str, (ONE, FIRST, PREVIEW, RUN, REGRADE)), strict=True))
+    ids = dict(
+        zip(
+            ("one", "first", "preview", "run", "regrade"),
+            map(str, (ONE, FIRST, PREVIEW, RUN, REGRADE)),
+            strict=True,
+        )
+    )
     values = ids | {"at": AT, "digest": sha256(b"same").hexdigest(), "device": sha256(b"device").hexdigest()}
     values["report"] = REPORT
     with psycopg.connect(empty_url) as connection:
@@ -111,19 +150,23 @@ def full_url(empty_url):
 
 
 REPORT = (
-    '{"assignment": "rigid-body", "version": "1", "score": 1.0, "max_score": 1.0, "provenance": {"seed": 11, "versions": {}, '
-    '"walls": "tier B"}, "exercises": [{"number": "2", "title": "t", "outcomes": [{"id": "a", "verdict": "pass", "margin": 2.0, '
-    '"label": "l", "detail": "d", "tolerance": {"reason": "r"}}]}]}'
+    '{"assignment": "rigid-body", "version": "1", "score": 1.0, "max_score": 1.0, "provenance": {"seed": 11,'
+    ' "versions": {}, "walls": "tier B"}, "exercises": [{"number": "2", "title": "t", "outcomes": [{"id":'
+    ' "a", "verdict": "pass", "margin": 2.0, "label": "l", "detail": "d", "tolerance": {"reason": "r"}}]}]}'
 )
 
 FILL_0005 = """
 INSERT INTO person (name, full_name) VALUES ('ann', 'Ann');
 INSERT INTO member SELECT c.id, p.id, 'student' FROM course c, person p WHERE p.name = 'ann';
 INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
-    SELECT id, 'd', 'polhode_abcd', 'laptop', '{read}', now() + interval '1 day' FROM person WHERE name = 'ann';
-INSERT INTO sign_in (issuer, subject, person_id) SELECT 'https://id', 's-1', id FROM person WHERE name = 'ann';
-INSERT INTO login (device_digest, user_code, label, expires_at) VALUES (%(device)s, 'BCDF-GHJK', 'lab', now() + interval '1 day');
-INSERT INTO assignment (course_id, slug, due_at, grace_s, most_submissions) SELECT id, 'rigid-body', %(at)s, 60, 7 FROM course;
+    SELECT id, 'd', 'polhode_abcd', 'laptop', '{read}', now() + interval '1 day' FROM person
+      WHERE name = 'ann';
+INSERT INTO sign_in (issuer, subject, person_id) SELECT 'https://id', 's-1', id FROM person
+  WHERE name = 'ann';
+INSERT INTO login (device_digest, user_code, label, expires_at)
+  VALUES (%(device)s, 'BCDF-GHJK', 'lab', now() + interval '1 day');
+INSERT INTO assignment (course_id, slug, due_at, grace_s, most_submissions) SELECT id, 'rigid-body', %(at)s,
+  60, 7 FROM course;
 INSERT INTO assignment_version (assignment_id, version) SELECT id, '1' FROM assignment;
 INSERT INTO extension (assignment_id, person_id, due_at, reason, given_by)
     SELECT a.id, p.id, %(at)s, 'ill', 'prof' FROM assignment a, person p WHERE p.name = 'ann';
@@ -132,7 +175,8 @@ INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, 
     FROM assignment a, person p WHERE p.name = 'ann';
 INSERT INTO regrade (id, assignment_id, told, asked_by, asked_at)
     SELECT %(regrade)s, id, 'all of them', 'prof', %(at)s FROM assignment;
-INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs) VALUES (%(first)s, %(one)s, 1, 'interactive', 11, 3);
+INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs)
+  VALUES (%(first)s, %(one)s, 1, 'interactive', 11, 3);
 INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, regrade_id, held)
     VALUES (%(preview)s, %(one)s, 2, 'regrade', 11, 3, %(regrade)s, true);
 INSERT INTO run (id, attempt_id, worker, beat_at, ended_at, ending)
@@ -141,10 +185,12 @@ INSERT INTO result (attempt_id, run_id, report, score, max_score, version, walls
     VALUES (%(first)s, %(run)s, %(report)s, 1, 1, '1', 'tier B');
 INSERT INTO outcome (attempt_id, check_id, state, counted, margin, codes, causes)
     VALUES (%(first)s, 'a', 'pass', true, 2.0, '{}', '{}');
-INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%(one)s, 'a', 0, 'no', 'prof');
+INSERT INTO override (submission_id, check_id, points, reason, given_by)
+  VALUES (%(one)s, 'a', 0, 'no', 'prof');
 INSERT INTO artefact VALUES (%(digest)s, 'same');
 INSERT INTO kept VALUES (%(first)s, 'arrays.npz', %(digest)s), (%(first)s, 'sweep.json', %(digest)s);
-INSERT INTO worker (name, walls, refusal, zygotes) VALUES ('host/1', 'tier B', NULL, 4), ('host/2', NULL, 'no namespaces', 0);
+INSERT INTO worker (name, walls, refusal, zygotes)
+  VALUES ('host/1', 'tier B', NULL, 4), ('host/2', NULL, 'no namespaces', 0);
 INSERT INTO audit (who, action, subject) VALUES ('prof', 'rules', 'rigid-body');
 INSERT INTO procrastinate_jobs (queue_name, task_name, priority, args)
     VALUES ('grade', 'grade', 1000, jsonb_build_object('attempt', %(preview)s::text))
@@ -159,7 +205,9 @@ def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     before = _counts(full_url, TABLES_0005)
     assert all(before.values()), "rows in every table"
     assert migrate(full_url) == "0011"
-    assert _counts(full_url, {RENAMED.get(t, t) for t in TABLES_0005}) == {RENAMED.get(t, t): n for t, n in before.items()}
+    assert _counts(full_url, {RENAMED.get(t, t) for t in TABLES_0005}) == {
+        RENAMED.get(t, t): n for t, n in before.items()
+    }
     assert not any(check(full_url).values())
 
     def read(action):
@@ -179,9 +227,13 @@ def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     assert (entry.actor, entry.action) == ("prof", "rules")
     assert [t.prefix for t in read(lambda d: tokens.all_of(d, "ann"))] == ["polhode_abcd"]
     assert (
-        read(lambda d: tokens.find_login(d, "bcdf-ghjk")) == "lab" and read(lambda d: tokens.collect_login(d, "device", 1)) is None
+        read(lambda d: tokens.find_login(d, "bcdf-ghjk")) == "lab"
+        and read(lambda d: tokens.collect_login(d, "device", 1)) is None
     )
-    assert read(lambda d: credentials.about(d, "ann")).issuer == "https://id" and read(lambda d: people.role(d, "ann")) == "student"
+    assert (
+        read(lambda d: credentials.about(d, "ann")).issuer == "https://id"
+        and read(lambda d: people.role(d, "ann")) == "student"
+    )
     assert [o.points for o in read(lambda d: overrides.of_submission(d, ONE))] == [0]
     assert [e.reason for e in read(lambda d: deadlines.extensions(d, "rigid-body"))] == ["ill"]
     assert read(lambda d: gradebook.rules(d, "rigid-body")).submission_limit == 7
@@ -208,8 +260,14 @@ def test_feedback_on_a_submission_of_an_older_database(full_url):
     assert run(full_url, lambda d: comments.of_submission(d, ONE)) == [noted]
     for query in (
         "INSERT INTO regrade_request (submission_id, reason) VALUES (%s, 'again')",
-        "INSERT INTO regrade_request (submission_id, reason, status) VALUES (%s, 'without a date', 'declined')",
-        "INSERT INTO source_comment (submission_id, cell, line, comment, author) VALUES (%s, 1, 0, 'c', 'prof')",
+        (
+            "INSERT INTO regrade_request (submission_id, reason, status) VALUES (%s, 'without a date',"
+            " 'declined')"
+        ),
+        (
+            "INSERT INTO source_comment (submission_id, cell, line, comment, author) VALUES (%s, 1, 0, 'c',"
+            " 'prof')"
+        ),
     ):
         with pytest.raises(psycopg.IntegrityError):
             sql(full_url, query, ONE)
@@ -249,9 +307,9 @@ def test_a_job_queued_before_the_renaming_is_graded_after_it(full_url):
         await worker._database.close()
 
     run(full_url, grade)
-    assert seen == ["rigid-body"] and sql(full_url, "SELECT end_reason FROM run WHERE grading_id = %s", PREVIEW) == [
-        ("superseded",)
-    ]
+    assert seen == ["rigid-body"] and sql(
+        full_url, "SELECT end_reason FROM run WHERE grading_id = %s", PREVIEW
+    ) == [("superseded",)]
     assert run(full_url, lambda d: runs.claim(d, PREVIEW, uuid.uuid4(), "w")) is not None
     assert run(full_url, workers.sweep) == []
 
@@ -264,19 +322,31 @@ def test_the_index_of_a_killed_prune_gives_way_to_that_of_the_schema(full_url):
     upgrade(full_url, "0010")
     sql(full_url, "CREATE INDEX prune_artefacts ON grading_artefact (sha256)")
     migrate(full_url)
-    found = sql(full_url, "SELECT indexname FROM pg_indexes WHERE tablename = 'grading_artefact' AND indexdef LIKE '%%(sha256)'")
+    found = sql(
+        full_url,
+        "SELECT indexname FROM pg_indexes WHERE tablename = 'grading_artefact' AND indexdef LIKE"
+        " '%%(sha256)'",
+    )
     assert found == [("grading_artefact_sha256",)]
 
 
 def test_no_constraint_or_index_keeps_an_old_name(full_url):
     migrate(full_url)
-    rows = sql(full_url, "SELECT conname FROM pg_constraint UNION SELECT indexname FROM pg_indexes WHERE schemaname = 'public'")
+    rows = sql(
+        full_url,
+        "SELECT conname FROM pg_constraint UNION SELECT indexname FROM pg_indexes WHERE schemaname ="
+        " 'public'",
+    )
     names = {name for (name,) in rows}
-    old = re.compile(r"(^|_)(attempt|attempt_id|kept|sign_in|beat_at|held|told|asked_by|most_runs|refusal|walls)(_|$)|^login_")
+    old = re.compile(
+        r"(^|_)(attempt|attempt_id|kept|sign_in|beat_at|held|told|asked_by|most_runs|refusal|walls)(_|$)|^login_"
+    )
     assert not [name for name in names if old.search(name)]
     assert {
-        "token_person", "submission_person_assignment", "submission_submitted_at", "grading_regrade", "ix_run_grading_id",
-        "run_open", "override_in_force", "regrade_request_open", "regrade_request_submission", "source_comment_submission",
+        "token_person", "submission_person_assignment", "submission_submitted_at", "grading_regrade",
+        "ix_run_grading_id",
+        "run_open", "override_in_force", "regrade_request_open", "regrade_request_submission",
+        "source_comment_submission",
         "grading_artefact_sha256",
     } <= names  # fmt: skip
 
@@ -300,7 +370,9 @@ def test_many_that_start_at_once_migrate_once(old_url):
 
 def test_tables_of_a_later_version_are_refused_in_a_sentence(database_url):
     sql(database_url, "UPDATE alembic_version SET version_num = '9999'")
-    with pytest.raises(WrongSchema, match=r"revision 9999.*up to \d{4}: install the later version.*polhode db restore"):
+    with pytest.raises(
+        WrongSchema, match=r"revision 9999.*up to \d{4}: install the later version.*polhode db restore"
+    ):
         migrate(database_url)
     assert sql(database_url, "SELECT version_num FROM alembic_version") == [("9999",)]
 
@@ -342,7 +414,8 @@ def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(old_u
             failures.append(error)
 
     waiting = (
-        "SELECT pid FROM pg_locks WHERE NOT granted AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
+        "SELECT pid FROM pg_locks WHERE NOT granted AND database = (SELECT oid FROM pg_database WHERE datname"
+        " = current_database())"
     )
     before = _schema(old_url)
     with psycopg.connect(old_url) as reader:
@@ -358,24 +431,33 @@ def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(old_u
 
 def _schema(url):
     """Revision and columns of a database."""
-    columns = "SELECT table_name, column_name FROM information_schema.columns WHERE table_schema = 'public' ORDER BY 1, 2"
+    columns = (
+        "SELECT table_name, column_name FROM information_schema.columns WHERE table_schema = 'public' ORDER"
+        " BY 1, 2"
+    )
     return sql(url, "SELECT version_num FROM alembic_version"), sql(url, columns)
 
 
 def test_a_new_procrastinate_needs_a_revision_of_ours():
-    """Our revision 0002 applies the schema of 3.10; when this fails, write one that runs the migrations after that."""
+    """Our revision 0002 applies the schema of 3.10; when this fails, write one that runs the migrations after
+    that.
+    """
     assert max(p.name for p in Path(migrations_path).glob("*.sql"))[:5] <= "03.10"
 
 
 def test_the_tables_are_as_the_docs_list_them(empty_url):
     migrate(empty_url)
     found = sql(
-        empty_url, "SELECT table_name, column_name, is_nullable FROM information_schema.columns WHERE table_schema = 'public'"
+        empty_url,
+        "SELECT table_name, column_name, is_nullable FROM information_schema.columns WHERE table_schema ="
+        " 'public'",
     )
     docs = Path(schema.__file__).parents[2] / "docs/database.md"
     listed = re.findall(r"^\| `(\w+)` \| (.*) \|$", docs.read_text(), re.MULTILINE)
     declared = {
-        (table, name, "YES" if null else "NO") for table, columns in listed for name, null in re.findall(r"`(\w+)(\??)`", columns)
+        (table, name, "YES" if null else "NO")
+        for table, columns in listed
+        for name, null in re.findall(r"`(\w+)(\??)`", columns)
     }
     assert {row for row in found if row[0] in TABLES} == declared
     others = {table for table, _, _ in found} - set(TABLES)

@@ -20,7 +20,12 @@ def test_a_submission_its_grading_and_its_job_are_there_together(database_url):
     one = new(source="print('ω')", exercises=["2"])
     assert run(database_url, lambda d: accept(d, one)).id == one.id
     stored = run(database_url, lambda d: records.read(d, one.id))
-    assert (stored.submission, stored.exercises, stored.person, stored.seed) == (one.submission, ["2"], "ann", 7)
+    assert (stored.submission, stored.exercises, stored.person, stored.seed) == (
+        one.submission,
+        ["2"],
+        "ann",
+        7,
+    )
     assert stored.status == "queued" and not stored.finished and not stored.late
     ((args, priority),) = sql(database_url, "SELECT args, priority FROM procrastinate_jobs")
     assert args == {"attempt": str(stored.grading)} and priority == 2000
@@ -46,7 +51,11 @@ def test_what_repeats_the_last_submission_is_stored_only_if_wanted(database_url)
     assert sent(one).fresh
     repeated = sent(new(exercises=["2"]), "k1")
     assert (repeated.id, repeated.fresh, repeated.repeated) == (one.id, False, True)
-    assert sent(new(exercises=["2"]), repeat=True).fresh and sent(new()).fresh and sent(new("ben", exercises=["2"])).fresh
+    assert (
+        sent(new(exercises=["2"]), repeat=True).fresh
+        and sent(new()).fresh
+        and sent(new("ben", exercises=["2"])).fresh
+    )
     earlier = new(exercises=["2"])
     assert sent(earlier).fresh, "only the last submission counts"
     kept = new(source="x = 1")
@@ -115,13 +124,17 @@ def test_a_repeated_request_is_answered_although_none_is_left(database_url):
 def test_a_repeated_request_is_told_the_same_lateness_as_every_page(database_url):
     run(database_url, lambda d: d.ping())
     sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 min', grace_s = 3600")
-    assert run(database_url, lambda d: accept(d, new(), "k")).late and run(database_url, lambda d: accept(d, new(), "k")).late
+    assert (
+        run(database_url, lambda d: accept(d, new(), "k")).late
+        and run(database_url, lambda d: accept(d, new(), "k")).late
+    )
     sql(database_url, "UPDATE assignment SET due_at = now() + interval '1 day'")
     assert not run(database_url, lambda d: accept(d, new(), "k")).late
 
 
 @pytest.mark.parametrize(
-    ("due", "grace", "fate"), [("+1 hour", 0, "on time"), ("-1 hour", 7200, "late"), ("-1 hour", 60, "refused")]
+    ("due", "grace", "fate"),
+    [("+1 hour", 0, "on time"), ("-1 hour", 7200, "late"), ("-1 hour", 60, "refused")],
 )
 def test_the_deadline_and_its_grace(database_url, due, grace, fate):
     run(database_url, lambda d: d.ping())
@@ -140,7 +153,10 @@ def test_an_extension_is_a_later_deadline_for_its_person_and_nobody_else(databas
     now = datetime.now(UTC)
     run(database_url, lambda d: accept(d, new("ann")))
     sql(database_url, "UPDATE assignment SET due_at = %s, grace_s = 0", now - timedelta(hours=1))
-    assert run(database_url, lambda d: extend(d, "rigid-body", "ann", now + timedelta(hours=1), reason="was ill", by="prof"))
+    assert run(
+        database_url,
+        lambda d: extend(d, "rigid-body", "ann", now + timedelta(hours=1), reason="was ill", by="prof"),
+    )
     assert not run(database_url, lambda d: accept(d, new("ann"))).late
     with pytest.raises(SubmissionRejected, match="the deadline was"):
         run(database_url, lambda d: accept(d, new("ben")))
@@ -161,12 +177,14 @@ def test_order_a_tenth_does_not_pass_anothers_first_and_regrades_wait(database_u
             await accept(database, new(name))
 
     run(database_url, fill)
-    sql(database_url, "UPDATE grading SET kind = 'regrade' FROM submission s JOIN person p ON p.id = s.person_id "
+    sql(database_url,
+        "UPDATE grading SET kind = 'regrade' FROM submission s JOIN person p ON p.id = s.person_id "
         "WHERE s.id = submission_id AND p.name = 'cleo'")  # fmt: skip
     sql(database_url, "DELETE FROM procrastinate_jobs")
     sql(database_url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
     assert len(run(database_url, sweep)) == 12
-    order = sql(database_url, "SELECT p.name FROM procrastinate_jobs j JOIN grading a ON a.id::text = j.args->>'attempt' "
+    order = sql(database_url,
+        "SELECT p.name FROM procrastinate_jobs j JOIN grading a ON a.id::text = j.args->>'attempt' "
                 "JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id "
                 "ORDER BY j.priority DESC, j.id")  # fmt: skip
     assert [name for (name,) in order] == ["ben", "dora", *["ben"] * 9, "cleo"]
@@ -190,11 +208,17 @@ def test_no_more_than_the_permitted_number_waits_for_reports_also_when_sent_at_o
         return await asyncio.gather(*sent, return_exceptions=True)
 
     results = run(database_url, send)
-    assert sum(isinstance(r, Accepted) for r in results) == 3 and sum(isinstance(r, TooManyOpen) for r in results) == 7
+    assert (
+        sum(isinstance(r, Accepted) for r in results) == 3
+        and sum(isinstance(r, TooManyOpen) for r in results) == 7
+    )
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(3,)]
     assert run(database_url, lambda d: accept(d, new("ben"), most_open=3)).fresh
     first = next(r for r in results if isinstance(r, Accepted))
     run(database_url, lambda d: grade(d, first.id, {"2-energy": "✓"}))
     assert run(database_url, lambda d: accept(d, new(), most_open=3)).fresh, "one has its report"
-    for action in (lambda d: accept(d, new(), "k", most_open=4), lambda d: accept(d, new(), "k", most_open=1)):
+    for action in (
+        lambda d: accept(d, new(), "k", most_open=4),
+        lambda d: accept(d, new(), "k", most_open=1),
+    ):
         assert run(database_url, action).submitted_at, "a repeated request is no new submission"

@@ -55,7 +55,10 @@ def test_a_failure_of_polhode_is_measured_again_only_by_another_version(database
 
 
 def test_lost_runs_are_repeated_up_to_a_limit_whatever_the_version(database_url, grading, monkeypatch):
-    begun = [run(database_url, lambda database: sweeps.begin(database, grading)) for _ in range(sweeps.MOST_RUNS + 2)]
+    begun = [
+        run(database_url, lambda database: sweeps.begin(database, grading))
+        for _ in range(sweeps.MOST_RUNS + 2)
+    ]
     assert begun == [1, 2, 3, None, None]
     for version in ("present", "99.0"):
         if version != "present":

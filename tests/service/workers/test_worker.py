@@ -67,7 +67,10 @@ def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_
 def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting):
     grade(database_url, waiting, NoSandbox())
     assert sql(database_url, RUNS, waiting) == [("failed", "starting", WHY)]
-    assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
+    assert (
+        sql(database_url, JOBS, str(waiting)) == [("todo",)]
+        and sql(database_url, "SELECT 1 FROM result") == []
+    )
 
 
 @pytest.mark.slow
@@ -99,7 +102,9 @@ def test_a_worker_waits_longer_than_the_longest_grading(declared, longest, rigid
     assert asyncio.run(wait()) == longest
 
 
-def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(database_url, waiting, sandbox, monkeypatch):
+def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
+    database_url, waiting, sandbox, monkeypatch
+):
     def leave(code):
         raise Left
 
@@ -117,7 +122,10 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
 
     monkeypatch.setattr(os, "_exit", leave)
     assert [row.end_reason for row in run(database_url, stopped)] == ["released"]
-    assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
+    assert (
+        sql(database_url, JOBS, str(waiting)) == [("todo",)]
+        and sql(database_url, "SELECT 1 FROM result") == []
+    )
 
 
 def test_a_worker_without_a_sandbox_says_why_and_takes_nothing(database_url, monkeypatch):
@@ -154,7 +162,9 @@ def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(databas
     async def swept(database):
         async with worker_on(database_url, Grader(sandbox)) as worker:
             await worker._sweep(str(grading))
-        return await sweeps.request(database, grading), (await find_artefact(database, grading, sweeps.REFUSED))[0]
+        return await sweeps.request(database, grading), (
+            await find_artefact(database, grading, sweeps.REFUSED)
+        )[0]
 
     fault, reason = run(database_url, swept)
     sandbox.close()
@@ -172,7 +182,9 @@ async def _stubborn(grading):
 
 
 @pytest.mark.parametrize(
-    ("lease", "beat", "look"), [(2.0, 0.5, 1.0), (0.4, 0.1, 0.2), (60.0, 15.0, 1.0)], ids=["default", "shortest", "longest"]
+    ("lease", "beat", "look"),
+    [(2.0, 0.5, 1.0), (0.4, 0.1, 0.2), (60.0, 15.0, 1.0)],
+    ids=["default", "shortest", "longest"],
 )
 def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, beat, look):
     async def times():
@@ -197,7 +209,10 @@ def test_a_worker_registers_when_the_clock_has_jumped(database_url, monkeypatch)
 
     async def keep_house(database):
         async with worker_on(database_url, lease=0.4) as one:
-            one._isolation, one._clock = "process", workers.ClockWatch(lambda: time.monotonic() - 3600 * hours[0])
+            one._isolation, one._clock = (
+                "process",
+                workers.ClockWatch(lambda: time.monotonic() - 3600 * hours[0]),
+            )
             keeping = asyncio.create_task(one._keep_house())
             await _until(lambda: sql(database_url, seen) == [(1,)])
             await asyncio.sleep(0.3)

@@ -1,7 +1,8 @@
-"""Deliberate breakages of the product, a line each, with the tests that must notice: what ``python -m tests.sabotage`` tries.
+"""Deliberate breakages of the product, a line each, with the tests that must notice: what ``python -m
+tests.sabotage`` tries.
 
-A breakage is something a careless colleague could write, and its effect is a real defect. Its tests are the cheapest that
-there are for it.
+A breakage is something a careless colleague could write, and its effect is a real defect. Its tests are the
+cheapest that there are for it.
 """
 
 from tests.support.breakages.breakage import Breakage

@@ -22,14 +22,18 @@ GRADING = [
         "service/grading/second_child.py",
         "        if needed_cells:  #",
         "        if False:  #",
-        ("tests/service/grading/test_crosscheck.py::test_a_right_function_may_depend_on_cells_that_do_not_name_what_they_change",),
+        (
+            "tests/service/grading/test_crosscheck.py::test_a_right_function_may_depend_on_cells_that_do_not_name_what_they_change",
+        ),
     ),
     Breakage(
         "a motion without its probes is believed",
         "service/grading/crosscheck.py",
         "discard(result, scene.name, Ended.NOT_PLAYED, NOT_FINISHED.format(proof))",
         "continue",
-        ("tests/service/grading/test_crosscheck.py::test_a_motion_is_not_believed_if_its_function_was_not_asked_again",),
+        (
+            "tests/service/grading/test_crosscheck.py::test_a_motion_is_not_believed_if_its_function_was_not_asked_again",
+        ),
     ),
     Breakage(
         "answers that change when asked again pass",
@@ -64,7 +68,9 @@ GRADING = [
         "service/api/parse_submission.py",
         "if size <= SMALL:",
         "if size <= limits.upload:",
-        ("tests/service/api/test_parse_submission.py::test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here",),
+        (
+            "tests/service/api/test_parse_submission.py::test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here",
+        ),
     ),
     Breakage(
         "polhode assign removes the deadline when it is not given",
@@ -113,7 +119,9 @@ GRADING = [
         "service/cli/verify_notebook.py",
         'if own else [("", True)]',
         'if not own else [("", True)]',
-        ("tests/service/cli/test_verify_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",),
+        (
+            "tests/service/cli/test_verify_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",
+        ),
     ),
     Breakage(
         "the author's notebook is no sample",
@@ -141,7 +149,9 @@ GRADING = [
         "service/cli/report_options.py",
         "if not any(file.fault for file in graded):",
         "if graded:",
-        ("tests/service/cli/test_report_options.py::test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade",),
+        (
+            "tests/service/cli/test_report_options.py::test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade",
+        ),
     ),
     Breakage(
         "what a submission prints is heard by GitHub Actions",
@@ -165,7 +175,9 @@ GRADING = [
         "service/cli/gradescope.py",
         "if not submission.is_dir():",
         "if submission.is_file():",
-        ("tests/service/cli/test_gradescope.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",),
+        (
+            "tests/service/cli/test_gradescope.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
+        ),
     ),
     Breakage(
         "the zip for Gradescope holds the samples",

@@ -64,7 +64,9 @@ KIT = [
         "service/grading/grade.py",
         "outcome.diagnosis, outcome.partial = [_unsteady(unsteady)], None",
         "outcome.diagnosis = [_unsteady(unsteady)]",
-        ("tests/exercises/kinds/test_values.py::test_answers_that_differ_between_runs_earn_no_partial_credit",),
+        (
+            "tests/exercises/kinds/test_values.py::test_answers_that_differ_between_runs_earn_no_partial_credit",
+        ),
     ),
     Breakage(
         "an override of a check ignores the partial credit it replaces",
@@ -99,7 +101,9 @@ KIT = [
         "exercises/publish.py",
         "if SOLUTION not in cell.tags and not set(others) & set(names):",
         "if SOLUTION not in cell.tags:",
-        ("tests/exercises/test_publish.py::test_nothing_of_a_solution_or_mistake_is_left_in_any_part_of_the_file",),
+        (
+            "tests/exercises/test_publish.py::test_nothing_of_a_solution_or_mistake_is_left_in_any_part_of_the_file",
+        ),
     ),
     Breakage(
         "the Setup holds the author's solutions",
@@ -127,7 +131,9 @@ KIT = [
         "service/cli/verification.py",
         " or _timed_out(graded.report):",
         ":",
-        ("tests/service/cli/test_verify.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",),
+        (
+            "tests/service/cli/test_verify.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",
+        ),
     ),
     Breakage(
         "data files stay for the next submission",
@@ -147,14 +153,16 @@ KIT = [
         "a check of another exercise's function counts",
         "exercises/kit/ecp/exercise.py",
         "if all(names_of(scene) <= present for scene in check.scenes)]",
-        "if not set(self.optional) - {*written} & {name for scene in check.scenes for name in names_of(scene)}]",
+        "if not set(self.optional) - {*written} & {name for scene in check.scenes for name in"
+        " names_of(scene)}]",
         ("tests/system/test_answers.py",),
     ),
     Breakage(
         "the kit's wheel holds the drawn scenes and their truth",
         "exercises/wheel.py",
         "scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]",
-        "scenes = [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in used]",
+        "scenes = [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in"
+        " used]",
         ("tests/exercises/test_wheel.py",),
     ),
 ]

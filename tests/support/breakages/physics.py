@@ -162,7 +162,9 @@ PHYSICS = [
         "exercises/kit/ecp/kinds/animation/shown.py",
         'if share > still and not seen["visible"][0]:',
         "if False:",
-        ("tests/exercises/rigid_body/test_hidden_checks.py::test_a_picture_whose_text_changes_does_not_move",),
+        (
+            "tests/exercises/rigid_body/test_hidden_checks.py::test_a_picture_whose_text_changes_does_not_move",
+        ),
     ),
     Breakage(
         "any axis of the body passes for the one asked for",

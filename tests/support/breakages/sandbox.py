@@ -64,7 +64,9 @@ SANDBOX = [
         "service/workers/worker.py",
         "return sweeps.fault(number, _reason(error))",
         "raise",
-        ("tests/service/workers/test_worker.py::test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests",),
+        (
+            "tests/service/workers/test_worker.py::test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests",
+        ),
     ),
     Breakage(
         "a sweep is queued although its result was stored meanwhile",
@@ -99,21 +101,27 @@ SANDBOX = [
         "exercises/sweep.py",
         "            if calls\n",
         "",
-        ("tests/exercises/test_integrators.py::test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails",),
+        (
+            "tests/exercises/test_integrators.py::test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails",
+        ),
     ),
     Breakage(
         "a function argument takes unknown names",
         "exercises/kit/ecp/kinds/asking.py",
         "if len(values) + len(named) != len(over) or taken.keys() != set(over):",
         "if len(values) + len(named) != len(over):",
-        ("tests/exercises/kinds/test_values.py::test_a_function_argument_takes_its_arguments_by_name_and_no_others",),
+        (
+            "tests/exercises/kinds/test_values.py::test_a_function_argument_takes_its_arguments_by_name_and_no_others",
+        ),
     ),
     Breakage(
         "a right-hand side may be called without end",
         "exercises/kit/ecp/kinds/ode.py",
         "if calls[0] > most:",
         "if calls[0] > 1000 * most:",
-        ("tests/exercises/kinds/test_ode.py::test_a_motion_that_stalls_or_is_not_finite_does_not_hide_the_points",),
+        (
+            "tests/exercises/kinds/test_ode.py::test_a_motion_that_stalls_or_is_not_finite_does_not_hide_the_points",
+        ),
     ),
     Breakage(
         "runs at rounding count for the order of a stepper",
@@ -225,7 +233,9 @@ SANDBOX = [
         "service/grading/author_errors.py",
         "if other is not None and (same_error(found, other) if known else found == other):",
         "if other is not None or found:",
-        ("tests/service/grading/test_author_errors.py::test_a_submission_cannot_forge_an_error_of_the_author",),
+        (
+            "tests/service/grading/test_author_errors.py::test_a_submission_cannot_forge_an_error_of_the_author",
+        ),
     ),
     Breakage(
         "an exception in the author's play is the student's",
@@ -246,7 +256,9 @@ SANDBOX = [
         "service/api/release.py",
         'if FAULT.format(slug=stored.assignment, error="") in (stored.fault or ""):',
         'if FAULT.format(slug=stored.assignment, error="") in (stored.person or ""):',
-        ("tests/service/pages/test_submission.py::test_where_an_assignments_own_code_failed_is_shown_to_the_staff_only",),
+        (
+            "tests/service/pages/test_submission.py::test_where_an_assignments_own_code_failed_is_shown_to_the_staff_only",
+        ),
     ),
     Breakage(
         "a student reads scores that are not released",
@@ -309,7 +321,9 @@ SANDBOX = [
         "service/sandbox/session.py",
         "lost = [s.name for s in self.job.scenes]\n",
         "lost = [s.name for s in self.job.scenes if s.name not in result.scene_ends]\n",
-        ("tests/service/sandbox/test_session.py::test_nothing_is_believed_of_a_child_that_broke_the_protocol",),
+        (
+            "tests/service/sandbox/test_session.py::test_nothing_is_believed_of_a_child_that_broke_the_protocol",
+        ),
     ),
     Breakage(
         "a submission may print without end",
@@ -330,7 +344,9 @@ SANDBOX = [
         "service/sandbox/zygote.py",
         "budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)",
         "budget.charge(0.0, waited.seconds, time.monotonic() - began)",
-        ("tests/service/sandbox/test_time_budget.py::test_processes_that_compute_share_one_limit_of_CPU_time",),
+        (
+            "tests/service/sandbox/test_time_budget.py::test_processes_that_compute_share_one_limit_of_CPU_time",
+        ),
     ),
     Breakage(
         "a submission that has no processor is judged as one that sleeps",
@@ -342,15 +358,20 @@ SANDBOX = [
     Breakage(
         "a child started in advance plays with the code of another assignment",
         "service/sandbox/zygote.py",
-        "loaded = not self._keeps or (self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code])",
+        "loaded = not self._keeps or (self._kept.issuperset(job.kept) and self._loads == [part.name for part"
+        " in job.code])",
         "loaded = not self._keeps or self._kept.issuperset(job.kept)",
-        ("tests/service/sandbox/test_warm_sandbox.py::test_a_job_that_the_started_child_cannot_play_gets_another_child",),
+        (
+            "tests/service/sandbox/test_warm_sandbox.py::test_a_job_that_the_started_child_cannot_play_gets_another_child",
+        ),
     ),
     Breakage(
         "a guest that has failed to start is not replaced",
         "service/sandbox/sandbox.py",
-        "            self._end_guest()\n            if not isinstance(error, ZygoteLost):\n                raise\n",
-        "            if not isinstance(error, ZygoteLost):\n                raise\n            self._end_guest()\n",
+        "            self._end_guest()\n            if not isinstance(error, ZygoteLost):\n               "
+        " raise\n",
+        "            if not isinstance(error, ZygoteLost):\n                raise\n           "
+        " self._end_guest()\n",
         ("tests/service/sandbox/test_warm_sandbox.py::test_a_guest_that_does_not_start_is_replaced",),
     ),
     Breakage(
@@ -363,7 +384,8 @@ SANDBOX = [
     Breakage(
         "the second child is started in the thread that reads the first one's answers",
         "service/grading/second_child.py",
-        "self._starting = beside.submit(self._sandbox.start_child, replace(played.job, scenes=repeated), played.budget)",
+        "self._starting = beside.submit(self._sandbox.start_child, replace(played.job, scenes=repeated),"
+        " played.budget)",
         "self._sandbox.start_child(replace(played.job, scenes=repeated), played.budget)",
         ("tests/service/grading/test_second_child.py",),
     ),

@@ -204,7 +204,9 @@ STORE = [
         "service/store/postgres/retention.py",
         "AND (NOT g.preview OR y.decided IS NOT NULL) AND",
         "AND",
-        ("tests/service/store/postgres/test_retention.py::test_a_preview_keeps_its_files_until_its_regrade_is_decided",),
+        (
+            "tests/service/store/postgres/test_retention.py::test_a_preview_keeps_its_files_until_its_regrade_is_decided",
+        ),
     ),
     Breakage(
         "a drill does not notice a changed value",
@@ -234,14 +236,18 @@ STORE = [
         "service/store/postgres/cluster.py",
         "return None if same else",
         "return None if True else",
-        ("tests/service/store/postgres/test_cluster.py::test_a_running_server_notices_each_loss_and_the_return",),
+        (
+            "tests/service/store/postgres/test_cluster.py::test_a_running_server_notices_each_loss_and_the_return",
+        ),
     ),
     Breakage(
         "a copy of the folder is used before it is complete",
         "service/store/postgres/cluster.py",
         "and self._read_identity() == self._identity",
         "and self._read_identity() is not None",
-        ("tests/service/store/postgres/test_cluster.py::test_a_running_server_notices_each_loss_and_the_return",),
+        (
+            "tests/service/store/postgres/test_cluster.py::test_a_running_server_notices_each_loss_and_the_return",
+        ),
     ),
     Breakage(
         "the folder of another course is used",
@@ -269,21 +275,27 @@ STORE = [
         "service/store/schema.py",
         "            _mark(connection)\n",
         "",
-        ("tests/service/store/test_schema.py::test_a_database_that_lost_tables_does_not_become_an_empty_course",),
+        (
+            "tests/service/store/test_schema.py::test_a_database_that_lost_tables_does_not_become_an_empty_course",
+        ),
     ),
     Breakage(
         "a run is lost because the clock jumped",
         "service/store/workers.py",
         "if jump > lease_s / 2:",
         "if jump > 1e9:",
-        ("tests/service/store/test_runs.py::test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one",),
+        (
+            "tests/service/store/test_runs.py::test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one",
+        ),
     ),
     Breakage(
         "a dead worker's run is found an hour late because the clock went back",
         "service/store/workers.py",
         " AND {0} < now() + make_interval(secs => {1}))",
         ")",
-        ("tests/service/store/test_runs.py::test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one",),
+        (
+            "tests/service/store/test_runs.py::test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one",
+        ),
     ),
     Breakage(
         "a migration drops results",

@@ -8,14 +8,18 @@ WEB = [
         "service/http/connections.py",
         '            self.close_for("header")',
         "            pass",
-        ("tests/service/http/test_connections.py::test_a_header_that_trickles_is_cut_also_on_a_connection_used_before",),
+        (
+            "tests/service/http/test_connections.py::test_a_header_that_trickles_is_cut_also_on_a_connection_used_before",
+        ),
     ),
     Breakage(
         "the body of a request may take any time",
         "service/http/connections.py",
         '            self.close_for("body")',
         "            pass",
-        ("tests/service/http/test_connections.py::test_a_body_that_trickles_is_cut_and_counted_as_nobodys_fault",),
+        (
+            "tests/service/http/test_connections.py::test_a_body_that_trickles_is_cut_and_counted_as_nobodys_fault",
+        ),
     ),
     Breakage(
         "a full server accepts further connections",
@@ -50,7 +54,9 @@ WEB = [
         "service/http/middleware.py",
         '({"strict-transport-security": HTTPS_ONLY} if https else {})',
         "{}",
-        ("tests/service/http/test_connections.py::test_browsers_stay_with_https_where_it_is_the_public_address",),
+        (
+            "tests/service/http/test_connections.py::test_browsers_stay_with_https_where_it_is_the_public_address",
+        ),
     ),
     Breakage(
         "responses name the server software",
@@ -71,7 +77,9 @@ WEB = [
         "service/api/submissions.py",
         "if not person.single_user and person.role in STAFF:",
         "if False:",
-        ("tests/service/auth/test_identity.py::test_a_student_has_a_number_of_waiting_submissions_and_staff_have_none",),
+        (
+            "tests/service/auth/test_identity.py::test_a_student_has_a_number_of_waiting_submissions_and_staff_have_none",
+        ),
     ),
     Breakage(
         "one address can start any number of logins",
@@ -92,14 +100,18 @@ WEB = [
         "service/api/submissions.py",
         "person.role not in STAFF:",
         'person.role not in (*STAFF, "student"):',
-        ("tests/service/auth/test_roles.py::test_students_see_what_they_sent_and_get_403_for_what_others_sent",),
+        (
+            "tests/service/auth/test_roles.py::test_students_see_what_they_sent_and_get_403_for_what_others_sent",
+        ),
     ),
     Breakage(
         "a student's page shows what only staff may see",
         "service/pages/submission.py",
         '"staff": person.role in STAFF',
         '"staff": True',
-        ("tests/service/pages/test_submission.py::test_staff_see_who_and_how_and_a_student_what_concerns_them",),
+        (
+            "tests/service/pages/test_submission.py::test_staff_see_who_and_how_and_a_student_what_concerns_them",
+        ),
     ),
     Breakage(
         "a form without a CSRF token is taken",
@@ -202,7 +214,8 @@ WEB = [
     Breakage(
         "a failed grading is not given back",
         "service/workers/worker.py",
-        'await patiently(partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S)',
+        'await patiently(partial(runs.release, self._database, claimed, "failed", _reason(error)),'
+        " PATIENCE_S)",
         "pass",
         ("tests/service/workers/test_worker.py",),
     ),

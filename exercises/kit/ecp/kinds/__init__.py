@@ -4,9 +4,9 @@ A question is a JSON document that an author's declaration produces: its ``kind`
 ``function``, its ``parameters`` and constant arguments, the values it ``returns``, and what the checks of
 its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
 each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
-public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student, row)``
-returns the arrays of one row, and ``part_checks(question, scene)`` its checks. The sandbox, the server and
-``ecp.check`` use the same functions.
+public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student,
+row)`` returns the arrays of one row, and ``part_checks(question, scene)`` its checks. The sandbox, the server
+and ``ecp.check`` use the same functions.
 """
 
 from collections.abc import Iterable, Mapping
@@ -42,10 +42,14 @@ def kind_module(question: Mapping[str, Any]) -> ModuleType:
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Ask the question for every row and return the arrays by name, rows along the first index. Raises WrongAnswer."""
+    """Ask the question for every row and return the arrays by name, rows along the first index. Raises
+    WrongAnswer.
+    """
     module, part = kind_module(question), question.get("part")
     answers: dict[str, Any] = (
-        each(rows, lambda row: module.PARTS[part](question, student, row)) if part else module.play(question, student, rows)
+        each(rows, lambda row: module.PARTS[part](question, student, row))
+        if part
+        else module.play(question, student, rows)
     )
     return answers
 
@@ -54,21 +58,31 @@ def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> li
     """Return the checks of a question for one of its scenes."""
     asked, module = {**question, "id": f"{question['id']}-new"} if hidden else question, kind_module(question)
     found: list[Check] = (
-        module.part_checks(asked, scene) if question.get("part") else module.checks(asked, scene, NEW_INPUTS if hidden else "")
+        module.part_checks(asked, scene)
+        if question.get("part")
+        else module.checks(asked, scene, NEW_INPUTS if hidden else "")
     )
     return found
 
 
 def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis] | None:
-    """Return the likely cause behind a scene's arrays, or None if the kind finds causes by reproducing them."""
+    """Return the likely cause behind a scene's arrays, or None if the kind finds causes by reproducing
+    them.
+    """
     return _if_defined("diagnose", question, seen, truth)
 
 
 def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
-    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, others exactly."""
+    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance,
+    others exactly.
+    """
     values = {value["name"]: value for value in question["returns"]}
     return all(
-        agreement(values[name], seen[name], array).verdict is Verdict.PASS if name in values else np.array_equal(seen[name], array)
+        (
+            agreement(values[name], seen[name], array).verdict is Verdict.PASS
+            if name in values
+            else np.array_equal(seen[name], array)
+        )
         for name, array in predicted.items()
     )
 
@@ -80,16 +94,25 @@ def _if_defined(name: str, question: Mapping[str, Any], *arguments: Any) -> Any:
 
 
 def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
-    """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if ``hidden``."""
+    """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if
+    ``hidden``.
+    """
     asked = list(questions)
     scenes = []
     for q in asked:
         parts = [({**q, "part": part}, f"{q['id']}-{part}", False) for part in q.get("parts", ())]
         scenes += [(q, q["scenes"]["public"], False), *parts]
     scenes += [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
-    checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
+    checks = [
+        check
+        for question, scene, is_hidden in scenes
+        if scene
+        for check in question_checks(question, scene, is_hidden)
+    ]
     figures = [figure for q in asked for figure in _if_defined("figures", q) or ()]
     sheets = [sheet for q in asked for sheet in _if_defined("animations", q) or ()]
     names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])
     variables = tuple(dict.fromkeys(name for q in asked for name in q["variables"]))
-    return Exercise(number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables)
+    return Exercise(
+        number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables
+    )

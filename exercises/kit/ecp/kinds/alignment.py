@@ -1,4 +1,6 @@
-"""What a value may leave open, such as the signs of eigenvectors: the equivalent value that is nearest to the exact one."""
+"""What a value may leave open, such as the signs of eigenvectors: the equivalent value that is nearest to the
+exact one.
+"""
 
 from collections.abc import Callable, Sequence
 
@@ -9,11 +11,12 @@ Array = NDArray[np.float64]
 
 
 def aligned(got: Array, want: Array, up_to: str | None) -> Array:
-    """Return the value equivalent to ``got`` that is nearest to ``want``, row by row; both have rows along the first index.
+    """Return the value equivalent to ``got`` that is nearest to ``want``, row by row; both have rows along
+    the first index.
 
-    "sign": the whole value may have the other sign. "order": numbers or rows of a list in any order. "column signs",
-    "column phases" (complex values, as (…, 2)) and "column order and signs": of the columns of a matrix. "span": the columns may be
-    any orthonormal basis of the same space.
+    "sign": the whole value may have the other sign. "order": numbers or rows of a list in any order. "column
+    signs", "column phases" (complex values, as (…, 2)) and "column order and signs": of the columns of a
+    matrix. "span": the columns may be any orthonormal basis of the same space.
     """
     if up_to is None or got.shape != want.shape or not np.all(np.isfinite(got)):
         return got
@@ -49,7 +52,9 @@ def _column_signs(got: Array, want: Array) -> Array:
 def _column_phases(got: Array, want: Array) -> Array:
     z, exact = got[..., 0] + 1j * got[..., 1], want[..., 0] + 1j * want[..., 1]
     overlap = np.sum(z.conj() * exact, axis=0)
-    turned = z * np.where(np.abs(overlap) > 0, overlap / np.where(np.abs(overlap) > 0, np.abs(overlap), 1.0), 1.0)
+    turned = z * np.where(
+        np.abs(overlap) > 0, overlap / np.where(np.abs(overlap) > 0, np.abs(overlap), 1.0), 1.0
+    )
     return np.stack([turned.real, turned.imag], axis=-1)
 
 
@@ -75,4 +80,6 @@ UP_TO: dict[str, tuple[Callable[[Array, Array], Array], int, bool | None]] = {
     "column order and signs": (_column_order_and_signs, 2, False),
     "span": (_span, 2, False),
 }
-"""How each is aligned, the least number of dimensions it needs, and whether the numbers are complex, if it matters."""
+"""How each is aligned, the least number of dimensions it needs, and whether the numbers are complex, if it
+matters.
+"""

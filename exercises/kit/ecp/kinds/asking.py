@@ -1,4 +1,6 @@
-"""Calls of a student's function: the arguments of each row, functions among them, and the values it returns."""
+"""Calls of a student's function: the arguments of each row, functions among them,
+and the values it returns.
+"""
 
 import ast
 import builtins
@@ -12,7 +14,9 @@ from numpy.typing import NDArray
 from ecp.exercise import Figure
 from ecp.return_value import WrongAnswer, article, check_signature, exchanged, real_array, wrong_value
 
-MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
+MOST_CALLS = (
+    20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
+)
 LONGEST_CALL = 60  # characters of an author's expression in a sentence for students
 NAMES = """
     abs arccos arcsin arctan arctan2 arcsinh arctanh array cos cosh cross dot exp expm1 heaviside hypot log log10 log1p maximum
@@ -24,7 +28,9 @@ KNOWN = {*MATHEMATICS, *dir(builtins)}
 
 
 class Counted:
-    """A function that counts its calls. Raises WrongAnswer at the call after ``most``. Has a name, as any function."""
+    """A function that counts its calls. Raises WrongAnswer at the call after ``most``. Has a name, as any
+    function.
+    """
 
     def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
         self.function, self.__name__, self._most, self.calls = function, name, most, 0
@@ -38,7 +44,9 @@ class Counted:
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the drawn values of each row by name: a number, a text, or an array of its own. Nothing drawn is one row."""
+    """Yield the drawn values of each row by name: a number, a text, or an array of its own. Nothing drawn is
+    one row.
+    """
     if not rows:
         yield {}
     columns = {name: np.asarray(column) for name, column in rows.items()}
@@ -47,8 +55,13 @@ def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of one call by parameter: constants, values of the row, generators, symbols, counted functions."""
-    given = {name: np.array(value) if isinstance(value, list) else value for name, value in question["constants"].items()}
+    """Return the arguments of one call by parameter: constants, values of the row, generators, symbols,
+    counted functions.
+    """
+    given = {
+        name: np.array(value) if isinstance(value, list) else value
+        for name, value in question["constants"].items()
+    }
     values = {**given, **row}
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
     for name, family in question["families"].items():
@@ -83,11 +96,17 @@ def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping
         answer = function(*copies.values())
     except (TypeError, IndexError, ValueError):
         if own := exchanged(function, parameters):
-            raise WrongAnswer("swapped-arguments", f"{name} is called as ({', '.join(parameters)}); yours takes {own}") from None
+            raise WrongAnswer(
+                "swapped-arguments", f"{name} is called as ({', '.join(parameters)}); yours takes {own}"
+            ) from None
         raise
     for key, value in copies.items():
-        if isinstance(value, np.ndarray) and not np.array_equal(value, given[key], equal_nan=value.dtype.kind == "f"):
-            raise WrongAnswer("mutates-input", f"{name} changes its argument {key}: work on a copy, or build a new array")
+        if isinstance(value, np.ndarray) and not np.array_equal(
+            value, given[key], equal_nan=value.dtype.kind == "f"
+        ):
+            raise WrongAnswer(
+                "mutates-input", f"{name} changes its argument {key}: work on a copy, or build a new array"
+            )
     return answer
 
 
@@ -96,18 +115,26 @@ def evaluate(text: str, names: Mapping[str, Any]) -> Any:
     return eval(_code(text), {**MATHEMATICS, **names})  # noqa: S307
 
 
-def each(rows: Mapping[str, Any], answer: Callable[[dict[str, Any]], Mapping[str, Any]]) -> dict[str, NDArray[np.float64]]:
-    """Return the arrays that ``answer`` returns for each row of drawn values, by name, rows along the first index."""
+def each(
+    rows: Mapping[str, Any], answer: Callable[[dict[str, Any]], Mapping[str, Any]]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the arrays that ``answer`` returns for each row of drawn values, by name, rows along the first
+    index.
+    """
     return stacked([answer(row) for row in each_row(rows)])
 
 
 def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
-    """Return the values of an answer in the order that the question states. Raises WrongAnswer if it has others."""
+    """Return the values of an answer in the order that the question states. Raises WrongAnswer if it has
+    others.
+    """
     names, keys = [value["name"] for value in question["returns"]], question.get("keys")
     if len(names) == 1 and not keys:
         return [answer]
     if answer is None:
-        raise WrongAnswer("returns-nothing", f"{question['function']} returned None: is a return statement missing?")
+        raise WrongAnswer(
+            "returns-nothing", f"{question['function']} returned None: is a return statement missing?"
+        )
     is_several = isinstance(answer, Mapping if keys else tuple | list) or (not keys and np.ndim(answer) > 0)
     if is_several and (set(names) <= set(answer) if keys else len(answer) == len(names)):
         return [answer[name] for name in names] if keys else list(answer)
@@ -115,19 +142,30 @@ def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
         had = article(type(answer).__name__)
     else:
         had = f"the keys {', '.join(map(str, answer))}" if keys else f"{len(answer)} values"
-    wanted = f"a dict with the keys {', '.join(names)}" if keys else f"{len(names)} values ({', '.join(names)})"
+    wanted = (
+        f"a dict with the keys {', '.join(names)}" if keys else f"{len(names)} values ({', '.join(names)})"
+    )
     raise WrongAnswer("wrong-shape", wrong_value(*_named(question), wanted, had))
 
 
-def returned(question: Mapping[str, Any], answer: Any, *, finite: bool = True) -> dict[str, NDArray[np.float64]]:
-    """Return the values of an answer by name, of exactly the shapes that the question states. Raises WrongAnswer.
+def returned(
+    question: Mapping[str, Any], answer: Any, *, finite: bool = True
+) -> dict[str, NDArray[np.float64]]:
+    """Return the values of an answer by name, of exactly the shapes that the question states. Raises
+    WrongAnswer.
 
-    A complex value of shape s becomes real and imaginary parts of shape (*s, 2). Unless all must be ``finite``, one that is not
-    is returned beside another that is.
+    A complex value of shape s becomes real and imaginary parts of shape (*s, 2). Unless all must be
+    ``finite``, one that is not is returned beside another that is.
     """
     values, (name, is_returned), found, bad = question["returns"], _named(question), {}, []
     for value, part in zip(values, parts(question, answer), strict=True):
-        whose = value["name"] if question.get("variables") else name if len(values) == 1 else f"{name} ({value['name']})"
+        whose = (
+            value["name"]
+            if question.get("variables")
+            else name
+            if len(values) == 1
+            else f"{name} ({value['name']})"
+        )
         found[value["name"]] = _number_array(part, value, whose, is_returned)
         if not np.all(np.isfinite(found[value["name"]])):
             bad.append(f"{whose} {'returned' if is_returned else 'has'} a value that is not finite")
@@ -155,10 +193,15 @@ def flat(names: Iterable[str], state: Mapping[str, Any]) -> NDArray[np.float64]:
 
 
 def split(names: Sequence[str], like: Mapping[str, Any], y: NDArray[np.float64]) -> dict[str, Any]:
-    """Return the arguments ``names`` that the array ``y`` (d,) holds, with the shapes of those in ``like``."""
+    """Return the arguments ``names`` that the array ``y`` (d,) holds,
+    with the shapes of those in ``like``.
+    """
     parts = np.split(y, np.cumsum([np.size(like[name]) for name in names])[:-1])
     shapes = [np.shape(like[name]) for name in names]
-    return {n: p.reshape(shape).copy() if shape else float(p[0]) for n, p, shape in zip(names, parts, shapes, strict=True)}
+    return {
+        n: p.reshape(shape).copy() if shape else float(p[0])
+        for n, p, shape in zip(names, parts, shapes, strict=True)
+    }
 
 
 def describe(question: Mapping[str, Any], seen: Mapping[str, Any], row: int) -> str:
@@ -166,7 +209,9 @@ def describe(question: Mapping[str, Any], seen: Mapping[str, Any], row: int) -> 
     return ", ".join(f"{name} = {_short(seen[f'at_{name}'][row])}" for name in question["drawn"])
 
 
-def part_figure(question: Mapping[str, Any], part: str, title: str, alt: str, draw: Callable[..., None]) -> list[Figure]:
+def part_figure(
+    question: Mapping[str, Any], part: str, title: str, alt: str, draw: Callable[..., None]
+) -> list[Figure]:
     """Return the figure of a part of the question, none if it has no such part."""
     name = f"{question['id']}-{part}"
     return [Figure(name, title, alt, (name,), draw)] if part in question["parts"] else []
@@ -195,9 +240,11 @@ def _code(text: str) -> Any:
 
 
 def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
-    """Return the function of the variables ``over`` that an expression is. It may use the values ``given`` and MATHEMATICS.
+    """Return the function of the variables ``over`` that an expression is. It may use the values ``given``
+    and MATHEMATICS.
 
-    A list or tuple among its arguments is taken as an array. As of any function, an argument can be given by its name.
+    A list or tuple among its arguments is taken as an array. As of any function, an argument can be given by
+    its name.
     """
     code, scope = _code(text), {**MATHEMATICS, **given}
 
@@ -205,7 +252,10 @@ def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Ca
         taken = {**dict(zip(over, values, strict=False)), **named}
         if len(values) + len(named) != len(over) or taken.keys() != set(over):
             raise TypeError(f"the function takes ({', '.join(over)})")
-        arrays = {name: np.array(value) if isinstance(value, list | tuple) else value for name, value in taken.items()}
+        arrays = {
+            name: np.array(value) if isinstance(value, list | tuple) else value
+            for name, value in taken.items()
+        }
         return eval(code, scope, arrays)  # noqa: S307
 
     return function
@@ -224,4 +274,8 @@ def _plain(value: Any) -> Any:
 def _short(value: Any) -> str:
     if np.ndim(value) == 0:
         return value if isinstance(value, str) else f"{value:.6g}"
-    return " ".join(np.array2string(value, precision=4, threshold=12, edgeitems=3 if value.ndim < 2 else 1, separator=", ").split())
+    return " ".join(
+        np.array2string(
+            value, precision=4, threshold=12, edgeitems=3 if value.ndim < 2 else 1, separator=", "
+        ).split()
+    )

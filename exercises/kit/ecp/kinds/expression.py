@@ -1,4 +1,6 @@
-"""The kind "expression": a sympy expression, by its values at points. Only numbers leave the student's process."""
+"""The kind "expression": a sympy expression, by its values at points. Only numbers leave the student's
+process.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,7 +23,11 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
         given = {name: value for name, value in row.items() if name not in question["symbols"]}
         if (key := repr(given)) not in found:
             found[key] = parts(question, call(question, student, arguments(question, row)))
-        point = {name: complex(*value) if np.ndim(value) else value for name, value in row.items() if name in question["symbols"]}
+        point = {
+            name: complex(*value) if np.ndim(value) else value
+            for name, value in row.items()
+            if name in question["symbols"]
+        }
         values = [_evaluated(part, point, question["function"]) for part in found[key]]
         return returned(question, values if len(values) > 1 else values[0])
 
@@ -29,7 +35,9 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
 
 
 def _evaluated(value: Any, point: Mapping[str, complex], name: str) -> NDArray[np.complex128]:
-    """Return the numbers of an expression, a matrix or a list of expressions at a point, by the names of its symbols."""
+    """Return the numbers of an expression, a matrix or a list of expressions at a point, by the names of its
+    symbols.
+    """
     if value is None:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
     table = np.array(value.tolist() if hasattr(value, "tolist") else value, dtype=object)
@@ -42,11 +50,15 @@ def _number(part: Any, point: Mapping[str, complex], name: str) -> complex:
     try:
         expression = sympy.sympify(part, strict=True)
     except sympy.SympifyError:
-        raise WrongAnswer(None, f"{name} must be a sympy expression; it is {article(type(part).__name__)}") from None
+        raise WrongAnswer(
+            None, f"{name} must be a sympy expression; it is {article(type(part).__name__)}"
+        ) from None
     if not isinstance(expression, sympy.Expr):
         raise WrongAnswer(None, f"{name} must be a sympy expression; it is {article(type(part).__name__)}")
     if unknown := sorted({symbol.name for symbol in expression.free_symbols} - set(point)):
-        raise WrongAnswer(None, f"{name} contains {', '.join(unknown)}; it may contain only {', '.join(point)}")
+        raise WrongAnswer(
+            None, f"{name} contains {', '.join(unknown)}; it may contain only {', '.join(point)}"
+        )
     symbols = {symbol: _exactly(point[symbol.name]) for symbol in expression.free_symbols}
     for simpler in (lambda: expression, expression.doit):
         if (form := simpler()).has(sympy.Sum, sympy.Product):  # sympy's numbers of a series are unreliable

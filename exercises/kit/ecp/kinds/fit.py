@@ -1,4 +1,6 @@
-"""The kind "fit": parameters of a fit and their covariance, compared in units of the exact standard deviations."""
+"""The kind "fit": parameters of a fit and their covariance, compared in units of the exact standard
+deviations.
+"""
 
 from collections.abc import Mapping
 from functools import partial
@@ -24,6 +26,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
 
 
 def _deviations(name: str, truth: Arrays) -> Any:
-    """Return the exact standard deviations of the parameters, or the products of two of them for the covariance."""
+    """Return the exact standard deviations of the parameters, or the products of two of them for the
+    covariance.
+    """
     deviation = np.sqrt(np.einsum("rii->ri", truth["covariance"]))
     return deviation if name == "parameters" else deviation[:, :, None] * deviation[:, None, :]

@@ -19,7 +19,18 @@ from ecp.draw import legend_above
 from ecp.exercise import Figure
 from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate, returning, solve_ivp
 from ecp.judge import Judgement
-from ecp.kinds.asking import arguments, describe, each_row, expression, flat, part_figure, restart, returned, split, stacked
+from ecp.kinds.asking import (
+    arguments,
+    describe,
+    each_row,
+    expression,
+    flat,
+    part_figure,
+    restart,
+    returned,
+    split,
+    stacked,
+)
 from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 from ecp.return_value import WrongAnswer
@@ -33,7 +44,9 @@ def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
     return np.linspace(0.0, question["t_end"], TIMES)
 
 
-def _motion(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+def _motion(
+    question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return the ``motion`` (d, TIMES) of a row."""
     start, rates, atol = _driven(question, student, row, RTOL, [0])
     try:
@@ -43,13 +56,21 @@ def _motion(question: Mapping[str, Any], student: Mapping[str, Any], row: Mappin
 
 
 def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row's motion with each of the settings, the calls and seconds it took, and the seconds of one call."""
+    """Return a row's motion with each of the settings, the calls and seconds it took, and the seconds of one
+    call.
+    """
     given, t, runs, each = arguments(question, row), times(question), [], []
     for solver, rtol in question["settings"]:
-        motion, calls, began = np.full((np.size(given[question["state"]]), TIMES), np.nan), [0], time.perf_counter()
+        motion, calls, began = (
+            np.full((np.size(given[question["state"]]), TIMES), np.nan),
+            [0],
+            time.perf_counter(),
+        )
         start, rates, atol = _driven(question, student, row, rtol, calls)
         try:
-            run = solve_ivp()(returning(rates), (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
+            run = solve_ivp()(
+                returning(rates), (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol
+            )
             motion[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not
@@ -62,9 +83,15 @@ def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
 
 
 def _driven(
-    question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any], rtol: float, calls: list[int]
+    question: Mapping[str, Any],
+    student: Mapping[str, Any],
+    row: Mapping[str, Any],
+    rtol: float,
+    calls: list[int],
 ) -> tuple[Array, Rates, Array]:
-    """Return start, right-hand side and atol of a row's motion; ``calls`` counts the calls of the student's function."""
+    """Return start, right-hand side and atol of a row's motion; ``calls`` counts the calls of the student's
+    function.
+    """
     given, name, most = arguments(question, row), question["function"], question["most_calls"]
     state, (value,) = [question["state"]], (value["name"] for value in question["returns"])
 
@@ -72,7 +99,9 @@ def _driven(
         def evaluate(t: float) -> None:
             calls[0] += 1
             if calls[0] > most:
-                raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}")
+                raise WrongAnswer(
+                    None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}"
+                )
             restart(given)
             asked = {**given, question["time"]: float(t), **split(state, given, y)}
             try:
@@ -87,7 +116,8 @@ def _driven(
 
 
 def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, Any, Any]:
-    """Return the components (…, k, n) of a motion that the exact one has, the exact ones, and the scale of each.
+    """Return the components (…, k, n) of a motion that the exact one has, the exact ones, and the scale of
+    each.
 
     The scale is the largest exact value of the component, at least a thousandth of the state's typical size.
     """
@@ -104,33 +134,47 @@ def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
     tolerance, name, id = Tolerance(**question["follow"]), question["function"], question["id"]
 
     def follows(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        return judge.within(*deviation(question, seen[0]["motion"], truth[0]["motion"]), tolerance.limit or 0.0)
+        return judge.within(
+            *deviation(question, seen[0]["motion"], truth[0]["motion"]), tolerance.limit or 0.0
+        )
 
     def place(index: tuple[int, ...], seen: Arrays) -> str:
         return f"t = {times(question)[index[-1]]:.4g}, {_at_start(question, seen, index[0])}"
 
     made = [Check(f"{id}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
     for quantity, (text, allowed) in question["conserved"].items():
-        label, word = f"{quantity} conserved along the motion of {name}", partial(_drift, question, text, allowed["limit"])
+        label, word = (
+            f"{quantity} conserved along the motion of {name}",
+            partial(_drift, question, text, allowed["limit"]),
+        )
         made.append(Check(f"{id}-{quantity}", label, (scene,), word, Tolerance(**allowed), place))
     return made
 
 
-def _drift(question: Mapping[str, Any], text: str, limit: float, seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+def _drift(
+    question: Mapping[str, Any], text: str, limit: float, seen: list[Arrays], truth: list[Arrays]
+) -> Judgement:
     """Judge an expression over state, time and parameters along the motions; the worst row counts."""
     every, state = [], question["state"]
-    for row, motion in zip(each_row({name: seen[0][f"at_{name}"] for name in question["drawn"]}), seen[0]["motion"], strict=True):
+    for row, motion in zip(
+        each_row({name: seen[0][f"at_{name}"] for name in question["drawn"]}), seen[0]["motion"], strict=True
+    ):
         given = {**question["constants"], **row}
         value = expression(text, (question["time"], state), given)
         with np.errstate(all="ignore"):
-            series = [float(value(t, split([state], given, y)[state])) for t, y in zip(times(question), motion.T, strict=True)]
+            series = [
+                float(value(t, split([state], given, y)[state]))
+                for t, y in zip(times(question), motion.T, strict=True)
+            ]
         every.append(judge.conserved(series, limit))
     worst = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
     return replace(every[worst], where=(worst, *(every[worst].where or (0,))))
 
 
 def _at_start(question: Mapping[str, Any], seen: Arrays, row: int) -> str:
-    return describe({**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}, seen, row)
+    return describe(
+        {**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}, seen, row
+    )
 
 
 def figures(question: Mapping[str, Any]) -> list[Figure]:
@@ -140,7 +184,13 @@ def figures(question: Mapping[str, Any]) -> list[Figure]:
         axes, t = canvas.subplots(), times(question)
         for k, curve in enumerate(seen[0]["motion"][0]):
             axes.plot(t, curve, color=f"C{k}", label=f"{question['state']}[{k}]")
-        axes.plot(t, truth[0]["motion"][0].T, "k:", lw=1.2, label=["exact", *[None] * (truth[0]["motion"].shape[1] - 1)])
+        axes.plot(
+            t,
+            truth[0]["motion"][0].T,
+            "k:",
+            lw=1.2,
+            label=["exact", *[None] * (truth[0]["motion"].shape[1] - 1)],
+        )
         axes.set(xlabel=question["time"], ylabel=question["state"], title=_at_start(question, seen[0], 0))
         legend_above(axes)
 

@@ -1,7 +1,8 @@
-"""The kind "random": samples of a distribution and Monte Carlo estimates, by statistical tests of repeated calls.
+"""The kind "random": samples of a distribution and Monte Carlo estimates, by statistical tests of repeated
+calls.
 
-The tests of a question together reject a right solution at the rate that the question states, ``rate`` for each test. They compare
-with exact values only, never with an error that the student's function returns.
+The tests of a question together reject a right solution at the rate that the question states, ``rate`` for
+each test. They compare with exact values only, never with an error that the student's function returns.
 """
 
 import random
@@ -28,7 +29,8 @@ NORMAL = 1000
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
     """Return the answers of repeated calls for each row, repetitions along the second index.
 
-    A seed is another for each repetition. ``again`` is 1 where the first seed, passed again, gives the same answer.
+    A seed is another for each repetition. ``again`` is 1 where the first seed, passed again, gives the same
+    answer.
     """
 
     def once(row: Mapping[str, Any], repetition: int) -> dict[str, Any]:
@@ -39,7 +41,9 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         runs = [once(row, repetition) for repetition in range(question["repetitions"])]
         again = once(row, 0) if question["generators"] or question["seeds"] else runs[0]
-        return stacked(runs) | {"again": float(all(np.array_equal(runs[0][name], again[name]) for name in again))}
+        return stacked(runs) | {
+            "again": float(all(np.array_equal(runs[0][name], again[name]) for name in again))
+        }
 
     with _global_generators():
         return each(rows, answer)
@@ -78,9 +82,16 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
 
     tests = SAMPLES if question.get("distribution") else ESTIMATES
     found = [check(name, *test) for name, test in tests.items() if name not in ERRORS or question.get(name)]
-    about = "equal seeds give equal results, different seeds different ones" if seeds else "repeated calls give different results"
+    about = (
+        "equal seeds give equal results, different seeds different ones"
+        if seeds
+        else "repeated calls give different results"
+    )
     reason = "results are compared bit for bit"
-    return [*found, holds(f"{id}-repeated", f"{label}: {about}{suffix}", scene, claim=_repeats, reason=reason)]
+    return [
+        *found,
+        holds(f"{id}-repeated", f"{label}: {about}{suffix}", scene, claim=_repeats, reason=reason),
+    ]
 
 
 def _repeats(seen: Arrays) -> tuple[bool, str]:
@@ -95,7 +106,8 @@ def _repeats(seen: Arrays) -> tuple[bool, str]:
 def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
     """Return the largest difference of the cumulative distributions (Kolmogorov–Smirnov).
 
-    By Massart's inequality it exceeds √(ln(2/rate)/2N) for N independent samples of any distribution at most at that rate.
+    By Massart's inequality it exceeds √(ln(2/rate)/2N) for N independent samples of any distribution at most
+    at that rate.
     """
     import scipy.stats
 
@@ -115,35 +127,46 @@ def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> T
 def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
     """Return the rank correlation of successive samples of a call, or of single samples of successive calls.
 
-    It has the standard deviation 1/√N for N independent pairs, and is nearly normal if ``NORMAL`` pairs differ from the most
-    frequent one; otherwise it is not judged.
+    It has the standard deviation 1/√N for N independent pairs, and is nearly normal if ``NORMAL`` pairs
+    differ from the most frequent one; otherwise it is not judged.
     """
     import scipy.stats
 
     samples = seen["value"].reshape(*seen["value"].shape[:2], -1)
     samples = np.swapaxes(samples, 1, 2) if samples.shape[2] == 1 else samples
     ranks = scipy.stats.rankdata(samples.reshape(len(samples), -1), axis=1).reshape(samples.shape)
-    first, second = (ranks[:, :, part].reshape(len(samples), -1) for part in (slice(None, -1), slice(1, None)))
+    first, second = (
+        ranks[:, :, part].reshape(len(samples), -1) for part in (slice(None, -1), slice(1, None))
+    )
     other = [1 - np.unique(row, return_counts=True)[1].max() / row.size for row in ranks]
     judged = [share**2 * first.shape[1] >= NORMAL for share in other]
-    found = np.array([np.corrcoef(a, b)[0, 1] if ok else 0.0 for a, b, ok in zip(first, second, judged, strict=True)])
+    found = np.array(
+        [np.corrcoef(a, b)[0, 1] if ok else 0.0 for a, b, ok in zip(first, second, judged, strict=True)]
+    )
     limit = _deviations(question) / first.shape[1] ** 0.5
     return np.abs(found), limit, f"correlation {{:.3g}} of successive samples (limit {limit:.3g})"
 
 
 def _mean(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
-    """Return the deviation of the mean in its exact standard deviation, beyond the systematic error that the author allows."""
+    """Return the deviation of the mean in its exact standard deviation, beyond the systematic error that the
+    author allows.
+    """
     want, tolerance = truth["value"], question["tolerance"]
     allowed = tolerance.get("atol", 0.0) + tolerance.get("rtol", 0.0) * np.abs(want)
     away = np.maximum(np.abs(seen["value"].mean(axis=1) - want) - allowed, 0.0)
     unit, limit = truth["sd"] / seen["value"].shape[1] ** 0.5, _deviations(question)
     worst = int(np.argmax(away / unit))
-    text = f"mean {seen['value'][worst].mean():.6g} vs expected {want[worst]:.6g}, {{:.3g}} standard errors (limit {limit:.3g})"
+    text = (
+        f"mean {seen['value'][worst].mean():.6g} vs expected {want[worst]:.6g}, {{:.3g}} standard errors"
+        f" (limit {limit:.3g})"
+    )
     return away / unit, limit, text
 
 
 def _spread(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
-    """Return the deviation of the estimates' standard deviation as a fraction of what the χ² distribution of its square allows."""
+    """Return the deviation of the estimates' standard deviation as a fraction of what the χ² distribution of
+    its square allows.
+    """
     import scipy.stats
 
     free = seen["value"].shape[1] - 1
@@ -151,22 +174,32 @@ def _spread(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
     quantiles = scipy.stats.chi2.ppf([question["rate"] / 2, 1 - question["rate"] / 2], free)
     low, high = np.sqrt(quantiles / free)
     used = np.where(ratio > 1, (ratio - 1) / (high - 1), (1 - ratio) / (1 - low))
-    text = f"{ratio[int(np.argmax(used))]:.4g} times the expected standard deviation ({low:.3g} to {high:.3g} accepted)"
+    text = (
+        f"{ratio[int(np.argmax(used))]:.4g} times the expected standard deviation ({low:.3g} to {high:.3g}"
+        " accepted)"
+    )
     return used, 1.0, text
 
 
 def _error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
-    """Return the relative deviation of the returned errors from the exact standard deviation of an estimate."""
+    """Return the relative deviation of the returned errors from the exact standard deviation of an
+    estimate.
+    """
     off = np.sqrt(np.mean((seen["error"] / truth["sd"][:, None] - 1) ** 2, axis=1))
     limit = question["error"]["limit"]
     return off, limit, f"off by {{:.3g}} of the exact standard deviation (limit {limit:g})"
 
 
 def _mean_error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
-    """Return the relative deviation of the mean of the returned errors from the exact standard deviation of an estimate."""
+    """Return the relative deviation of the mean of the returned errors from the exact standard deviation of
+    an estimate.
+    """
     ratio = seen["error"].mean(axis=1) / truth["sd"]
     limit = question["mean_error"]["limit"]
-    text = f"{ratio[int(np.argmax(np.abs(ratio - 1)))]:.4g} times the exact standard deviation (off by at most {limit:g} accepted)"
+    text = (
+        f"{ratio[int(np.argmax(np.abs(ratio - 1)))]:.4g} times the exact standard deviation (off by at most"
+        f" {limit:g} accepted)"
+    )
     return np.abs(ratio - 1), limit, text
 
 

@@ -1,4 +1,5 @@
-"""The kind "stepper": one step of a method at points, as in "values", its order of convergence and its stability limit.
+"""The kind "stepper": one step of a method at points, as in "values", its order of convergence and its
+stability limit.
 
 Part "order": each row's interval of FIRST steps, done with 1, 2, 4, … times as many. Part "stability": the
 largest step for which the test problem does not grow. Part "sweep": one motion by several methods in
@@ -25,7 +26,10 @@ from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
 FIRST, HALVINGS = 4, 6
-ROUNDING, CONVERGING = 1e-13, 0.1  # relative errors below are those of rounding and of the truth; above, of an unstable run
+ROUNDING, CONVERGING = (
+    1e-13,
+    0.1,
+)  # relative errors below are those of rounding and of the truth; above, of an unstable run
 SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the stability limit is searched
 GROWTH = 1e-6  # of one step: a smaller one is rounding
 CHARTED = tuple(50 * 2**k for k in range(7))  # the numbers of steps of a chart of speed against accuracy
@@ -41,7 +45,8 @@ def _after(question: Mapping[str, Any], given: dict[str, Any], step: Any) -> dic
     """Return the arguments with the state that a ``step`` of the student returned."""
     answer = returned(question, step)
     return given | {
-        name: answer[value] if answer[value].ndim else float(answer[value]) for value, name in question["state"].items()
+        name: answer[value] if answer[value].ndim else float(answer[value])
+        for value, name in question["state"].items()
     }
 
 
@@ -60,14 +65,22 @@ def _ends(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[
 
 
 def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the step at which the test problem, whose eigenvalues have size 1, begins to grow; LARGEST if it never does."""
-    families = {name: {**family, "text": question["test"], "given": []} for name, family in question["families"].items()}
+    """Return the step at which the test problem, whose eigenvalues have size 1, begins to grow; LARGEST if it
+    never does.
+    """
+    families = {
+        name: {**family, "text": question["test"], "given": []}
+        for name, family in question["families"].items()
+    }
     given, states = arguments({**question, "families": families}, row), list(question["state"].values())
     starts = [split(states, given, unit) for unit in np.eye(flat(states, given).size)]
 
     def grows(h: float) -> bool:
         try:
-            columns = [flat(states, _step(question, student, given | start | {question["step"]: h})) for start in starts]
+            columns = [
+                flat(states, _step(question, student, given | start | {question["step"]: h}))
+                for start in starts
+            ]
         except Exception:  # a method that cannot do this step, unless it can do none
             if h == SMALLEST:
                 raise
@@ -86,27 +99,39 @@ def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
 
 
 def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the state at the ``end`` of each run of each of the question's ``methods``, the calls, and the seconds.
+    """Return the state at the ``end`` of each run of each of the question's ``methods``, the calls, and the
+    seconds.
 
-    ``end_0`` (runs, d) is that of the first method; ``calls`` and ``seconds`` (methods, runs) are those of all. A run that fails
-    ends in NaN.
+    ``end_0`` (runs, d) is that of the first method; ``calls`` and ``seconds`` (methods, runs) are those of
+    all. A run that fails ends in NaN.
     """
     methods = question["methods"]
     runs = [[_timed_run(method, student, steps) for steps in CHARTED] for method in methods]
     ends = {f"end_{k}": np.array([end for end, _, _ in each]) for k, each in enumerate(runs)}
-    return ends | {name: np.array([[run[k] for run in each] for each in runs]) for k, name in ((1, "calls"), (2, "seconds"))}
+    return ends | {
+        name: np.array([[run[k] for run in each] for each in runs])
+        for k, name in ((1, "calls"), (2, "seconds"))
+    }
 
 
-def _timed_run(method: Mapping[str, Any], student: Mapping[str, Any], steps: int) -> tuple[Array, float, float]:
-    """Return the last state (d,) of a run to ``chart``, the calls of the function argument, and the seconds in the student's
-    function.
+def _timed_run(
+    method: Mapping[str, Any], student: Mapping[str, Any], steps: int
+) -> tuple[Array, float, float]:
+    """Return the last state (d,) of a run to ``chart``, the calls of the function argument, and the seconds
+    in the student's function.
     """
     given, names, calls, seconds = arguments(method, {}), list(method["state"].values()), 0, 0.0
-    start, h, end = given.get(method["time"], 0.0), method["chart"] / steps, np.full(flat(names, given).size, np.nan)
+    start, h, end = (
+        given.get(method["time"], 0.0),
+        method["chart"] / steps,
+        np.full(flat(names, given).size, np.nan),
+    )
     counted = next(value for value in given.values() if isinstance(value, Counted))
     with suppress(Exception):  # a run that fails is not drawn; others may be
         for k in range(steps):
-            given |= {method["step"]: h} | ({method["time"]: start + k * h} if method["time"] in given else {})
+            given |= {method["step"]: h} | (
+                {method["time"]: start + k * h} if method["time"] in given else {}
+            )
             restart(given)
             values, began = list(given.values()), time.perf_counter()
             answer = student[method["function"]](*values)
@@ -118,17 +143,22 @@ def _timed_run(method: Mapping[str, Any], student: Mapping[str, Any], steps: int
 
 
 def errors(ends: Array, exact: Array) -> Array:
-    """Return the error of each run (runs,), relative to the size of the state: the root of the mean square over rows and times."""
+    """Return the error of each run (runs,), relative to the size of the state: the root of the mean square
+    over rows and times.
+    """
     scale = np.abs(exact).max(axis=1, keepdims=True)
     scale = np.maximum(scale, 1e-6 * scale.max(axis=2, keepdims=True))[:, None]
-    off: Array = np.sqrt(np.mean(((ends - exact[:, None]) / np.where(scale > 0, scale, 1.0)) ** 2, axis=(0, 2, 3)))
+    off: Array = np.sqrt(
+        np.mean(((ends - exact[:, None]) / np.where(scale > 0, scale, 1.0)) ** 2, axis=(0, 2, 3))
+    )
     return off
 
 
 def observed_order(found: Array) -> float | None:
     """Return the median slope between all pairs of runs with errors from ROUNDING to CONVERGING.
 
-    With fewer than three such runs, the three finest above ROUNDING count. Return None if there are not three.
+    With fewer than three such runs, the three finest above ROUNDING count. Return None if there are not
+    three.
     """
     above = [(k, np.log2(error)) for k, error in enumerate(found) if error > ROUNDING]
     used = [(k, error) for k, error in above if error < np.log2(CONVERGING)]

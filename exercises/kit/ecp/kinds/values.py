@@ -1,4 +1,6 @@
-"""The kind "values": the values of a function at points, to a tolerance, and the number of calls of its function arguments."""
+"""The kind "values": the values of a function at points, to a tolerance, and the number of calls of its
+function arguments.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -15,7 +17,9 @@ from ecp.outcome import Tolerance
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of each row by name, and ``calls``, the most calls of one of its function arguments."""
+    """Return the values of each row by name, and ``calls``,
+    the most calls of one of its function arguments.
+    """
 
     def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         given = arguments(question, row)
@@ -32,7 +36,9 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     if limit := question.get("calls"):
         name = next(iter(question["families"]))
         label = f"{question['function']} calls {name} at most {limit['limit']} times{suffix}"
-        made.append(below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit))
+        made.append(
+            below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit)
+        )
     return made
 
 
@@ -70,8 +76,12 @@ def value_check(
     )
 
 
-def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got: Any, want: Any) -> Judgement:
-    """Return ``compared(got)``; for a ✗ of a value with partial credit, each row is also judged with the others exact."""
+def credited(
+    value: Mapping[str, Any], compared: Callable[[Any], Judgement], got: Any, want: Any
+) -> Judgement:
+    """Return ``compared(got)``; for a ✗ of a value with partial credit, each row is also judged with the
+    others exact.
+    """
     whole = compared(got)
     if not value.get("partial") or whole.verdict is not Verdict.FAIL or whole.misshapen:
         return whole
@@ -84,10 +94,12 @@ def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got
 
 
 def agreement(value: Mapping[str, Any], got: Any, want: Any, scale: Any = None) -> Judgement:
-    """Judge a returned ``value`` against the exact one, rows along the first index, up to what it leaves open.
+    """Judge a returned ``value`` against the exact one, rows along the first index, up to what it leaves
+    open.
 
-    ``limit`` is relative to ``scale``, or to the largest exact number of all rows, or 1 if all are zero: where terms cancel in one
-    row, rounding errors are those of the terms. ``rtol`` and ``atol`` hold for each number alone.
+    ``limit`` is relative to ``scale``, or to the largest exact number of all rows, or 1 if all are zero:
+    where terms cancel in one row, rounding errors are those of the terms. ``rtol`` and ``atol`` hold for each
+    number alone.
     """
     tolerance, got = Tolerance(**value["tolerance"]), aligned(got, want, value.get("up_to"))
     if tolerance.limit is None:

@@ -1,1 +1,3 @@
-"""Static analysis of a live notebook: its cells, their statements, and the names and functions they define."""
+"""Static analysis of a live notebook: its cells, their statements,
+and the names and functions they define.
+"""

@@ -1,4 +1,6 @@
-"""The raw text of a cell as Python: magics and shell lines removed, and split into statements that stand alone."""
+"""The raw text of a cell as Python: magics and shell lines removed, and split into statements that stand
+alone.
+"""
 
 import ast
 import re
@@ -10,10 +12,14 @@ from functools import lru_cache
 from ecp.notebook.names import Names, calls_on, increments, names_in, stores_into
 
 TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
-"""Cell magics with ordinary Python below them. The text below other cell magics is not Python of this notebook."""
+"""Cell magics with ordinary Python below them. The text below other cell magics is not Python of this
+notebook.
+"""
 
 SHELL_ANSWER = "get_ipython()"
-"""Replaces the shell line or magic from which a statement took its value (``files = !ls``): only the notebook knows the value."""
+"""Replaces the shell line or magic from which a statement took its value (``files = !ls``): only the notebook
+knows the value.
+"""
 
 DEFINITION = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 BLOCK = (ast.If, ast.For, ast.While, ast.With, ast.Try, ast.Match)
@@ -30,9 +36,15 @@ class Statement:
 
     @property
     def names(self) -> Names:
-        """Return its global names. A block does not need the names it binds itself, such as a loop's variable."""
+        """Return its global names. A block does not need the names it binds itself, such as a loop's
+        variable.
+        """
         names = names_in(self.text)
-        return Names(names.now - names.bound, names.later, names.bound) if isinstance(self.node, BLOCK) else names
+        return (
+            Names(names.now - names.bound, names.later, names.bound)
+            if isinstance(self.node, BLOCK)
+            else names
+        )
 
     def binds(self, name: str) -> bool:
         """Return whether it gives ``name`` a value that does not only change the previous one."""
@@ -42,7 +54,11 @@ class Statement:
         """Return whether it changes the value of ``name``; with ``calls``, a method called on it counts as a
         change.
         """
-        return increments(self.node, name) or stores_into(self.node, name) or (calls and calls_on(self.node, name))
+        return (
+            increments(self.node, name)
+            or stores_into(self.node, name)
+            or (calls and calls_on(self.node, name))
+        )
 
     def starts(self, name: str) -> bool:
         """Return whether it gives ``name`` a value that does not depend on the previous one."""
@@ -50,10 +66,11 @@ class Statement:
 
 
 def without_magics(cell: str, answer: str = SHELL_ANSWER) -> str:
-    """Return the cell, line for line from its first line of Python, with magics and shell lines replaced by ``pass``.
+    """Return the cell, line for line from its first line of Python, with magics and shell lines replaced by
+    ``pass``.
 
-    ``answer`` replaces the shell line from which a statement takes its value. A syntax error of the Python stays. Empty for
-    a cell magic whose text is not Python.
+    ``answer`` replaces the shell line from which a statement takes its value. A syntax error of the Python
+    stays. Empty for a cell magic whose text is not Python.
     """
     first, _, rest = cell.lstrip().partition("\n")
     if first.startswith("%%"):
@@ -64,7 +81,8 @@ def without_magics(cell: str, answer: str = SHELL_ANSWER) -> str:
             _tree("\n".join(lines))
             break
         except (SyntaxError, ValueError) as error:
-            # Only the line at which Python stopped can be a magic: a % may also continue an expression or stand in a string.
+            # Only the line at which Python stopped can be a magic: a % may also continue an expression or
+            # stand in a string.
             if not _replace_magic(lines, (getattr(error, "lineno", None) or 1) - 1, answer):
                 break
     return "\n".join(lines)

@@ -6,9 +6,46 @@ from functools import lru_cache
 
 from ecp.notebook.sources import Missing, Source, Sources
 
-_OUTSIDE = {"open", "input", "get_ipython", "os", "io", "pathlib", "Path", "shutil", "glob", "tempfile", "subprocess", "sqlite3"}
-_OUTSIDE |= {"socket", "ssl", "urllib", "http", "requests", "urlopen", "urlretrieve", "imread", "imsave", "loadtxt", "genfromtxt"}
-_OUTSIDE_METHODS = {"load", "fromfile", "memmap", "loadmat", "savemat", "save", "savez", "savetxt", "savefig", "tofile", "to_csv"}
+_OUTSIDE = {
+    "open",
+    "input",
+    "get_ipython",
+    "os",
+    "io",
+    "pathlib",
+    "Path",
+    "shutil",
+    "glob",
+    "tempfile",
+    "subprocess",
+    "sqlite3",
+}
+_OUTSIDE |= {
+    "socket",
+    "ssl",
+    "urllib",
+    "http",
+    "requests",
+    "urlopen",
+    "urlretrieve",
+    "imread",
+    "imsave",
+    "loadtxt",
+    "genfromtxt",
+}
+_OUTSIDE_METHODS = {
+    "load",
+    "fromfile",
+    "memmap",
+    "loadmat",
+    "savemat",
+    "save",
+    "savez",
+    "savetxt",
+    "savefig",
+    "tofile",
+    "to_csv",
+}
 """Names that reach files or the network. A statement that uses one, or runs code that does, is not sent."""
 
 _REMEDY = "compute it without them, or write the numbers into a cell"
@@ -32,7 +69,9 @@ class Bundling:
                 del self._found[name]
 
     def left_out(self) -> Iterator[tuple[str, str, str]]:
-        """Yield each missing name that a sent source needs: the name, the source's name, and why it is not sent."""
+        """Yield each missing name that a sent source needs: the name, the source's name, and why it is not
+        sent.
+        """
         reported: set[str] = set()
         for source in self._sent():
             for name in sorted(_needs(source) & self.missing.keys() - reported):
@@ -45,7 +84,9 @@ class Bundling:
         sent = self._sent()
         imports = {s.text for s in sent if s.kind == "import"}
         ordered = list(dict.fromkeys(s.text for s in self._in_order([s for s in sent if s.kind != "import"])))
-        extra = {line for s in sent if s.kind == "import" for line in self._sources.submodules(s.name, ordered)}
+        extra = {
+            line for s in sent if s.kind == "import" for line in self._sources.submodules(s.name, ordered)
+        }
         head = "\n".join([*self._sources.history.futures, *sorted(imports | extra)])
         text = ""
         for before, after in zip(["", *ordered], ordered, strict=False):
@@ -63,7 +104,9 @@ class Bundling:
             if isinstance(found, Missing):
                 self.missing[name] = found.sentence
             elif found is None and name in self._requested:
-                self.missing[name] = f"`{name}` is built in, not your function: define one with that name in a cell"
+                self.missing[name] = (
+                    f"`{name}` is built in, not your function: define one with that name in a cell"
+                )
             elif found:
                 self._found[name] = found
                 waiting += sorted(_needs(found))
@@ -78,7 +121,10 @@ class Bundling:
             return None
         texts = [source.text, *(self._found[name].text for name in sorted(runs & self._found.keys()))]
         if source.kind == "statement" and any(_reaches_outside(text) for text in texts):
-            return f"`{source.name}` is computed from a file or the network, which the server cannot use: {_REMEDY}"
+            return (
+                f"`{source.name}` is computed from a file or the network, which the server cannot use:"
+                f" {_REMEDY}"
+            )
         if self._sources.is_outdated(source, texts):
             return f"`{source.name}` has changed since its cell ran, so it cannot be sent: {_AGAIN}"
         return None
@@ -100,7 +146,9 @@ class Bundling:
         return done
 
     def _sent(self) -> list[Source]:
-        """Return the sources reached from the requested names, each helper before the functions that use it."""
+        """Return the sources reached from the requested names,
+        each helper before the functions that use it.
+        """
         sent = [self._found[name] for name in self._reached(self._requested) if name in self._found]
         return sorted(sent, key=lambda source: source.kind != "value")
 
@@ -112,7 +160,9 @@ class Bundling:
         waiting = {s.name: s for s in sources}
         first: dict[str, set[str]] = {}
         for s in sources:
-            binding = {other.name for other in sources if s.name in other.names.bound and other.text != s.text}
+            binding = {
+                other.name for other in sources if s.name in other.names.bound and other.text != s.text
+            }
             first[s.name] = (self._reached(s.names.now).keys() | binding) - {s.name}
         while waiting:
             free = (name for name in waiting if not first[name] & waiting.keys())
@@ -126,7 +176,9 @@ def _needs(source: Source) -> frozenset[str]:
 
 @lru_cache(maxsize=2048)
 def _reaches_outside(text: str) -> bool:
-    return any(word in _OUTSIDE for word in _words(text)) or any(_is_reading(word) for word in _words(text, names=False))
+    return any(word in _OUTSIDE for word in _words(text)) or any(
+        _is_reading(word) for word in _words(text, names=False)
+    )
 
 
 def _is_reading(word: str) -> bool:

@@ -28,7 +28,11 @@ def makes(text: str, value: Any) -> bool:
         return fingerprint(value.__code__) in _prints(text)[0]
     own = [m.__func__ if isinstance(m, staticmethod | classmethod) else m for m in vars(value).values()]
     # Methods that dataclass or a decorator added to a class are not in its text.
-    written = [m for m in own if isinstance(m, FunctionType) and m.__code__.co_qualname == f"{value.__qualname__}.{m.__name__}"]
+    written = [
+        m
+        for m in own
+        if isinstance(m, FunctionType) and m.__code__.co_qualname == f"{value.__qualname__}.{m.__name__}"
+    ]
     return bool(re.search(rf"\bclass\s+{value.__name__}\b", text)) and {
         fingerprint(m.__code__) for m in written
     } <= fingerprints_in(text)
@@ -38,12 +42,16 @@ def same_defaults(text: str, function: FunctionType, values: Mapping[str, Any]) 
     """Return whether the text, run with these values, gives the function its defaults. Reads plain names and
     constants only.
     """
-    made = next((node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef | ast.Lambda)), None)
+    made = next(
+        (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef | ast.Lambda)), None
+    )
     if made is None:  # a second name
         return True
     written = [*made.args.defaults, *(default for default in made.args.kw_defaults if default)]
     held = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-    return len(written) == len(held) and all(_may_be(*pair, values) for pair in zip(written, held, strict=True))
+    return len(written) == len(held) and all(
+        _may_be(*pair, values) for pair in zip(written, held, strict=True)
+    )
 
 
 def fingerprints_in(text: str) -> frozenset[Print]:
@@ -86,14 +94,18 @@ def _may_be(written: ast.expr, held: Any, values: Mapping[str, Any]) -> bool:
 
 
 def _steps(code: CodeType) -> Print:
-    """Return its instructions, without those that depend on whether a module was imported in the same cell."""
+    """Return its instructions, without those that depend on whether a module was imported in the same
+    cell.
+    """
     kept: list[dis.Instruction] = []
     place: dict[int, int] = {}
     for step in dis.get_instructions(code):
         place[step.offset] = len(kept)
         kept += [] if step.opname in _CALLING else [step]
     named = [_PLAIN.get(step.opname, step.opname) for step in kept]
-    return tuple(zip(named, [place.get(s.argval) if s.opcode in _JUMPS else _argument(s) for s in kept], strict=True))
+    return tuple(
+        zip(named, [place.get(s.argval) if s.opcode in _JUMPS else _argument(s) for s in kept], strict=True)
+    )
 
 
 def _argument(step: dis.Instruction) -> Any:
@@ -109,8 +121,14 @@ def _constant(value: Any) -> Any:
 def _parts(item: Any) -> list[Any]:
     if isinstance(item, FunctionType):
         return [_content(cell) for cell in item.__closure__ or ()] + list(vars(item).values())
-    held = list(vars(item).values()) if type(item).__module__ == "__main__" and hasattr(item, "__dict__") else []
-    arguments = [*getattr(item, "args", ()), *getattr(item, "keywords", {}).values()] if type(item).__name__ == "partial" else []
+    held = (
+        list(vars(item).values()) if type(item).__module__ == "__main__" and hasattr(item, "__dict__") else []
+    )
+    arguments = (
+        [*getattr(item, "args", ()), *getattr(item, "keywords", {}).values()]
+        if type(item).__name__ == "partial"
+        else []
+    )
     return held + arguments + [getattr(item, holder, None) for holder in _HOLDERS]
 
 
@@ -126,7 +144,10 @@ def _prints(text: str) -> tuple[frozenset[Print], frozenset[Print]]:
     """Return the fingerprints of the functions at the top of a text, and of all functions in it."""
     top: set[Print] = set()
     every: set[Print] = set()
-    for flags in (0, __future__.annotations.compiler_flag):  # a notebook's __future__ imports hold for later cells
+    for flags in (
+        0,
+        __future__.annotations.compiler_flag,
+    ):  # a notebook's __future__ imports hold for later cells
         code = compile(text, "cell", "exec", flags=flags, dont_inherit=True)
         top |= {fingerprint(c) for c in _inside(code)}
         waiting = [code]

@@ -12,7 +12,9 @@ _COMPREHENSIONS = ("listcomp", "setcomp", "dictcomp", "genexpr")
 
 @dataclass(frozen=True)
 class Names:
-    """Global names of a text: ``now`` are read while it runs, ``later`` by its functions, ``bound`` are assigned."""
+    """Global names of a text: ``now`` are read while it runs, ``later`` by its functions, ``bound`` are
+    assigned.
+    """
 
     now: frozenset[str] = frozenset()
     later: frozenset[str] = frozenset()
@@ -50,7 +52,11 @@ def increments(node: ast.AST, name: str) -> bool:
 
 def stores_into(node: ast.AST, name: str) -> bool:
     """Return whether the node contains ``name.x = …`` or ``name[k] = …``."""
-    own = [n for n in own_nodes(node) if isinstance(n, ast.Attribute | ast.Subscript) and isinstance(n.ctx, ast.Store)]
+    own = [
+        n
+        for n in own_nodes(node)
+        if isinstance(n, ast.Attribute | ast.Subscript) and isinstance(n.ctx, ast.Store)
+    ]
     return any(_root(target) == name for target in own)
 
 

@@ -1,6 +1,7 @@
 """A notebook's text without what grading does not read, such as the pictures in its outputs.
 
-Kit and server strip a notebook by this same function, so the server stores exactly the text that the kit sent.
+Kit and server strip a notebook by this same function, so the server stores exactly the text that the kit
+sent.
 """
 
 import json
@@ -17,12 +18,15 @@ _LONE_SURROGATE = re.compile("[\ud800-\udfff]")  # JSON has it as an escape; UTF
 def strip_outputs(text: str) -> str:
     """Return a notebook without outputs, attachments and metadata; the same text if it has none of them.
 
-    Cells keep their source, number and id, the notebook keeps its kernel. Raises ValueError if the text is not
-    a notebook of format 4.
+    Cells keep their source, number and id, the notebook keeps its kernel. Raises ValueError if the text is
+    not a notebook of format 4.
     """
     try:
         notebook = json.loads(text)
-        cells = [{name: EMPTY.get(name, cell[name]) for name in cell if name in CELL_FIELDS} for cell in notebook["cells"]]
+        cells = [
+            {name: EMPTY.get(name, cell[name]) for name in cell if name in CELL_FIELDS}
+            for cell in notebook["cells"]
+        ]
         stripped = {name: notebook[name] for name in notebook if name in NOTEBOOK_FIELDS} | {"cells": cells}
         if metadata := notebook.get("metadata"):
             stripped["metadata"] = {name: metadata[name] for name in metadata if name in METADATA}

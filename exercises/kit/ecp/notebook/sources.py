@@ -51,12 +51,16 @@ class Sources:
         self._namespace, self.history = namespace, history
 
     def find(self, name: str) -> Source | Missing | None:
-        """Return the source of a name, or Missing. None if the server has the name anyway, or it does not exist."""
+        """Return the source of a name, or Missing. None if the server has the name anyway, or it does not
+        exist.
+        """
         value = self.values.get(name)
         if name not in self.values or re.fullmatch(r"__\w+__", name) or _is_shell_builtin(name, value):
             return None
         if _RECORD.fullmatch(name):
-            return Missing(name, f"`{name}` is part of the notebook's history: assign what you need from it to a name")
+            return Missing(
+                name, f"`{name}` is part of the notebook's history: assign what you need from it to a name"
+            )
         line = import_line(name, value, self.history.imports)
         if line and not own_file(line):
             return _source(name, line, "import")
@@ -64,7 +68,10 @@ class Sources:
         if written is not None:
             return _source(name, f"{name} = {written}", "value")
         if line:
-            return Missing(name, f"`{name}` comes from your own file {own_file(line)}: copy its code into a cell and run it")
+            return Missing(
+                name,
+                f"`{name}` comes from your own file {own_file(line)}: copy its code into a cell and run it",
+            )
         found = self._definition(name, value) or self._statements(name, value) or self._inspected(name, value)
         return found or Missing(name, _no_source(name, value))
 
@@ -73,7 +80,11 @@ class Sources:
         home = f"{self.values[name].__name__}." if isinstance(self.values[name], ModuleType) else "."
         inside = {module for module in self.history.modules if module.startswith(home)}
         paths = {module: re.escape(f"{name}.{module.removeprefix(home)}") for module in inside}
-        return {f"import {module}" for module, path in paths.items() if any(re.search(rf"\b{path}\b", t) for t in texts)}
+        return {
+            f"import {module}"
+            for module, path in paths.items()
+            if any(re.search(rf"\b{path}\b", t) for t in texts)
+        }
 
     def is_outdated(self, source: Source, texts: Collection[str]) -> bool:
         """Return whether the value has defaults, functions or a class that those texts would not make."""
@@ -107,15 +118,23 @@ class Sources:
         if made_as != name and self.values.get(made_as) is self.values[name]:
             text = f"{name} = {made_as}"
         header = rf"^(\s*(?:def|class)\s+){made_as}\b"
-        source = _source(name, re.sub(header, rf"\g<1>{name}", text, count=1, flags=re.MULTILINE), "definition")
+        source = _source(
+            name, re.sub(header, rf"\g<1>{name}", text, count=1, flags=re.MULTILINE), "definition"
+        )
         return source if name in source.names.bound else None
 
     def _statements(self, name: str, value: Any) -> Source | None:
         """Return the statements from the last one that bound the name to the last that changed its value."""
         held = {fingerprint(f.__code__) for f in functions_of(value)}
         every = [s for s in self.history.statements(name) if s.binds(name) or s.changes(name)]
-        chain = [s for s in every if not isinstance(s.node, ast.FunctionDef) or not held or fingerprints_in(s.text) & held]
-        chain = chain or [s for s in every if isinstance(s.node, ast.FunctionDef) and s.node.decorator_list][-1:]
+        chain = [
+            s
+            for s in every
+            if not isinstance(s.node, ast.FunctionDef) or not held or fingerprints_in(s.text) & held
+        ]
+        chain = (
+            chain or [s for s in every if isinstance(s.node, ast.FunctionDef) and s.node.decorator_list][-1:]
+        )
         start = max((place for place, s in enumerate(chain) if s.starts(name)), default=0)
         if not chain or not chain[start].binds(name):
             return None
@@ -148,8 +167,13 @@ def _is_shell_builtin(name: str, value: Any) -> bool:
 def _no_source(name: str, value: Any) -> str:
     if isinstance(value, FunctionType | type):
         return (
-            f"the source of `{name}` was not found (it was made by exec, or its cell is no longer known): "
-            f"define it in a cell as `def {name}(...)` and run that cell, or submit a file with submit(file=...)"
+            f"the source of `{name}` was not found (it was made by exec, or its cell is no longer known):"
+            f" define it in a cell as `def {name}(...)` and run that cell, or submit a file with"
+            " submit(file=...)"
         )
-    what = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"of the type {type(value).__name__}"
+    what = (
+        f"an array of shape {value.shape}"
+        if isinstance(value, np.ndarray)
+        else f"of the type {type(value).__name__}"
+    )
     return f"no cell defines `{name}` ({what}): define it in a cell, or inside the function that needs it"

@@ -45,7 +45,11 @@ def import_line(name: str, value: Any, imports: Iterable[ast.Import | ast.Import
                 if (alias.asname or taken) == name and _offered(node.module, taken) is value:
                     return _with_name(f"from {node.module} import {taken}", taken, name)
     if isinstance(value, ModuleType):
-        return _with_name(f"import {value.__name__}", value.__name__, name) if _loaded(value.__name__) is value else None
+        return (
+            _with_name(f"import {value.__name__}", value.__name__, name)
+            if _loaded(value.__name__) is value
+            else None
+        )
     own_name = str(getattr(value, "__name__", ""))
     for module in _offering(value) if own_name.isidentifier() else ():
         if _offered(module, own_name) is value:
@@ -61,7 +65,12 @@ def own_file(line: str) -> str | None:
     module = _loaded(top)
     places = [getattr(module, "__file__", None), *getattr(module, "__path__", [])]
     place = next((PurePath(p) for p in places if isinstance(p, str)), None)
-    if top in sys.stdlib_module_names or top == "ecp" or place is None or {"site-packages", "dist-packages"} & set(place.parts):
+    if (
+        top in sys.stdlib_module_names
+        or top == "ecp"
+        or place is None
+        or {"site-packages", "dist-packages"} & set(place.parts)
+    ):
         return None
     return place.parent.name if place.name == "__init__.py" else place.name
 
@@ -95,7 +104,13 @@ class _Writer:
         if kind is list:
             return "[" + ", ".join(self.write(v) for v in value) + "]"
         if kind is tuple:
-            return "(" + "".join(f"{self.write(v)}, " for v in value).removesuffix(" ").removesuffix("," * (len(value) > 1)) + ")"
+            return (
+                "("
+                + "".join(f"{self.write(v)}, " for v in value)
+                .removesuffix(" ")
+                .removesuffix("," * (len(value) > 1))
+                + ")"
+            )
         if kind in (set, frozenset):
             inside = ", ".join(sorted(self.write(v) for v in value))
             return f"{kind.__name__}([{inside}])" if kind is frozenset or not inside else f"{{{inside}}}"
@@ -113,7 +128,9 @@ class _Writer:
         if not value.size:
             return f'{self._numpy}.empty({value.shape}, dtype="{value.dtype}")'
         kept = value.dtype.isnative and value.dtype.name in ("float64", "int64", "bool", "complex128")
-        return f"{self._numpy}.array({self.write(value.tolist())}" + (")" if kept else f', dtype="{value.dtype}")')
+        return f"{self._numpy}.array({self.write(value.tolist())}" + (
+            ")" if kept else f', dtype="{value.dtype}")'
+        )
 
     def _spend(self, elements: int) -> None:
         self._left -= elements

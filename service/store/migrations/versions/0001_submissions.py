@@ -36,5 +36,6 @@ def upgrade() -> None:
         sa.Column("sha256", sa.Text, nullable=False),
         sa.Column("content", sa.LargeBinary, nullable=False),
     )
-    # PNG and float64 arrays do not compress: keep them out of line and untouched (PostgreSQL, "TOAST storage").
+    # PNG and float64 arrays do not compress: keep them out of line and untouched (PostgreSQL, "TOAST
+    # storage").
     op.execute("ALTER TABLE artefact ALTER COLUMN content SET STORAGE EXTERNAL")

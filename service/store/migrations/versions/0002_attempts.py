@@ -1,4 +1,6 @@
-"""Create courses, people, assignments, gradings and runs, shared artefacts, the audit log and Procrastinate's tables."""
+"""Create courses, people, assignments, gradings and runs, shared artefacts, the audit log and Procrastinate's
+tables.
+"""
 
 from alembic import op
 from procrastinate.schema import SchemaManager

@@ -1,4 +1,6 @@
-"""Create the dashboard's tables: outcomes by check, overrides, extensions, previewed regrades, details of people, signing key."""
+"""Create the dashboard's tables: outcomes by check, overrides, extensions, previewed regrades, details of
+people, signing key.
+"""
 
 from alembic import op
 

@@ -25,8 +25,9 @@ COLUMNS = {
     "worker": {"walls": "isolation", "refusal": "unavailable_reason", "zygotes": "zygote_restarts"},
 }
 
-# PostgreSQL derives the names of constraints and indexes from tables and columns, and keeps them when these are renamed.
-# Which ones exist depends on its version (NOT NULL is a named constraint since 18), so they are looked up.
+# PostgreSQL derives the names of constraints and indexes from tables and columns, and keeps them when these
+# are renamed. Which ones exist depends on its version (NOT NULL is a named constraint since 18), so they are
+# looked up.
 RENAME_DERIVED = r"""
 DO $$
 DECLARE

@@ -9,6 +9,8 @@ EARNED = "UPDATE outcome SET earned = 1 WHERE state = 'pass'"
 
 
 def upgrade() -> None:
-    op.execute("ALTER TABLE outcome ADD points integer NOT NULL DEFAULT 1, ADD earned integer NOT NULL DEFAULT 0")
+    op.execute(
+        "ALTER TABLE outcome ADD points integer NOT NULL DEFAULT 1, ADD earned integer NOT NULL DEFAULT 0"
+    )
     op.execute(EARNED)
     op.execute("ALTER TABLE outcome ALTER points DROP DEFAULT, ALTER earned DROP DEFAULT")

@@ -1,4 +1,6 @@
-"""Store the course's time zone and late penalty, when scores and details are released, notes on people, and fractions of points."""
+"""Store the course's time zone and late penalty, when scores and details are released, notes on people, and
+fractions of points.
+"""
 
 from alembic import op
 

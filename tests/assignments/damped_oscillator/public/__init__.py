@@ -1,7 +1,7 @@
 """The exercise with its public checks.
 
-This folder becomes part of the students' kit, so that ``ecp.check`` prints the same lines as the server. It may
-import numpy, scipy, the kit, and its own modules (relatively), and must not contain the solution.
+This folder becomes part of the students' kit, so that ``ecp.check`` prints the same lines as the server. It
+may import numpy, scipy, the kit, and its own modules (relatively), and must not contain the solution.
 """
 
 import numpy as np
@@ -34,7 +34,10 @@ OSCILLATOR = Exercise(
             "undamped",
             series=_energy,
             limit=1e-8,
-            reason="the integrator (rtol 1e-10) loses 4.2e-10 of the energy in 40 rad; the limit is over 20 times that",
+            reason=(
+                "the integrator (rtol 1e-10) loses 4.2e-10 of the energy in 40 rad; the limit is over 20"
+                " times that"
+            ),
             locate=_at_time,
         ),
         within(

@@ -18,4 +18,10 @@ def _motion(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     axes.legend(loc="upper right")
 
 
-MOTION = Figure("motion", "The damped motion", "x over time: from your equation, and exact (dotted).", ("damped",), _motion)
+MOTION = Figure(
+    "motion",
+    "The damped motion",
+    "x over time: from your equation, and exact (dotted).",
+    ("damped",),
+    _motion,
+)

@@ -22,11 +22,16 @@ def test_takes_and_exchanged():
     return_value.check_signature(lambda *args: 0, names, "f")
     return_value.check_signature(lambda t, w, I, extra=1: 0, names, "f")
     return_value.check_signature(min, names, "f")  # has no signature
-    with pytest.raises(WrongAnswer, match=r"the checks call `f\(t, w, I\)`, but yours is defined as `f\(w, I\)`: change") as caught:
+    with pytest.raises(
+        WrongAnswer, match=r"the checks call `f\(t, w, I\)`, but yours is defined as `f\(w, I\)`: change"
+    ) as caught:
         return_value.check_signature(lambda w, I: 0, names, "f")
     assert caught.value.code == "signature"
     assert return_value.exchanged(lambda w, t, I: 0, names) == "(w, t, I)"
-    assert return_value.exchanged(lambda t, w, I: 0, names) is None and return_value.exchanged(lambda a, b, c: 0, names) is None
+    assert (
+        return_value.exchanged(lambda t, w, I: 0, names) is None
+        and return_value.exchanged(lambda a, b, c: 0, names) is None
+    )
 
 
 def _axes(three):
@@ -55,7 +60,19 @@ def _arrow(axes):
         (False, lambda a: a.annotate("", (1, 2), (0, 0)), [[0, 0, 0], [1, 2, 0]]),
         (False, lambda a: a.fill([0, 1, 1], [0, 0, 2]), [[0, 0, 0], [1, 0, 0], [1, 2, 0]]),
     ],
-    ids=["line3d", "scatter3d", "quiver3d", "poly3d", "line", "scatter", "quiver", "polygon", "arrow", "annotation", "fill"],
+    ids=[
+        "line3d",
+        "scatter3d",
+        "quiver3d",
+        "poly3d",
+        "line",
+        "scatter",
+        "quiver",
+        "polygon",
+        "arrow",
+        "annotation",
+        "fill",
+    ],
 )
 def test_points_of_artists(three, draw_it, points):
     figure, axes = _axes(three)
@@ -85,7 +102,9 @@ def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
         axes.plot(range(k + 2), range(k + 2), range(k + 2))
         axes.plot([], [], [])
 
-    seen = animation_recording.watch(FuncAnimation(figure, update, frames=30, cache_frame_data=False), seconds=60.0)
+    seen = animation_recording.watch(
+        FuncAnimation(figure, update, frames=30, cache_frame_data=False), seconds=60.0
+    )
     assert seen["at"][-1].tolist() == [29, 29, 30]
     tips = seen["tracks"][:, :, 0].T.tolist()
     assert [k + 1.0 for k in range(30)] in tips, "the last point of the trail"
@@ -95,13 +114,19 @@ def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
 
 def test_within():
     good = judge.within([1.0, 2.0], [1.0, 2.1], [1.0, 2.0], 0.06)
-    assert good.verdict is judge.Verdict.PASS and good.detail == "max|Δ|/scale = 0.05 (limit 0.06)" and good.where == (1,)
+    assert (
+        good.verdict is judge.Verdict.PASS
+        and good.detail == "max|Δ|/scale = 0.05 (limit 0.06)"
+        and good.where == (1,)
+    )
     assert judge.within([1.0, 2.0], [1.0, 2.1], 1.0, 0.06).verdict is judge.Verdict.FAIL
     assert judge.within([1.0, np.nan], [1.0, 2.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
     assert judge.within([1.0], [1.0, 1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL, "nothing is broadcast"
     assert judge.within(1.0, [1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
     assert judge.within([0.0], [0.0], 0.0, 1.0).verdict is judge.Verdict.PASS
-    assert judge.within([1e-9], [0.0], 0.0, 1.0).verdict is judge.Verdict.FAIL, "no allowance where there is no scale"
+    assert judge.within([1e-9], [0.0], 0.0, 1.0).verdict is judge.Verdict.FAIL, (
+        "no allowance where there is no scale"
+    )
 
 
 @pytest.mark.slow
@@ -114,7 +139,9 @@ def test_frames_of_a_generator_are_drawn_as_they_come():
             line.set_ydata([0, k])
             yield k
 
-    seen = animation_recording.watch(FuncAnimation(figure, lambda k: (line,), frames=frames, save_count=100), seconds=60.0)
+    seen = animation_recording.watch(
+        FuncAnimation(figure, lambda k: (line,), frames=frames, save_count=100), seconds=60.0
+    )
     assert len(seen["frames"]) == 6 and np.ptp(seen["tracks"], axis=0).max() > 90
 
 
@@ -163,7 +190,12 @@ def test_what_is_saved_or_rendered_is_kept_and_not_rendered(tmp_path):
     figure, _ = _axes(False)
     save = Animation.save
     with animate.watched():
-        for render in (lambda anim: anim.save(tmp_path / "a.gif"), Animation.to_jshtml, Animation.to_html5_video, animate.show):
+        for render in (
+            lambda anim: anim.save(tmp_path / "a.gif"),
+            Animation.to_jshtml,
+            Animation.to_html5_video,
+            animate.show,
+        ):
             animate.shown.clear()
             anim = FuncAnimation(figure, lambda k: (), frames=12)
             anim._draw_was_started = True  # or matplotlib warns that nobody looked at it
@@ -176,7 +208,9 @@ def test_polygons_of_changing_number_are_points_without_order():
     figure, ax = _axes(False)
     squares = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]], [[1, 0], [2, 0], [2, 1], [1, 1]]], float)
     faces = ax.add_collection(PolyCollection([]))
-    anim = FuncAnimation(figure, lambda k: faces.set_verts(squares[[k % 2]] + k if k % 3 else squares[::-1] + k), frames=12)
+    anim = FuncAnimation(
+        figure, lambda k: faces.set_verts(squares[[k % 2]] + k if k % 3 else squares[::-1] + k), frames=12
+    )
     seen = animation_recording.watch(anim, seconds=60.0)
     loose = seen["tracks"][:, seen["owners"][:, 1] == -2, :2]
     assert loose.shape == (12, 6, 2)

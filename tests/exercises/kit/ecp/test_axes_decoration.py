@@ -44,7 +44,11 @@ def animation(change, panels=2):
 
 
 @pytest.mark.parametrize(
-    "change", [pytest.param(CHANGES[name], marks=[] if name in SOME else [pytest.mark.slow], id=name) for name in CHANGES]
+    "change",
+    [
+        pytest.param(CHANGES[name], marks=[] if name in SOME else [pytest.mark.slow], id=name)
+        for name in CHANGES
+    ],
 )
 def test_stills_are_those_without_copies(change, monkeypatch):
     copied = record(lambda: animation(change), 20.0)

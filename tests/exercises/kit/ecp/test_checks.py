@@ -36,10 +36,24 @@ def test_close_reads_seen_and_truth_and_names_the_place():
 
 @pytest.mark.parametrize(
     ("error", "would_pass"),
-    [(2e-9, "rtol = 1e-09, atol = 1e-09"), (9e-8, "rtol = 4.5e-08, atol = 4.5e-08"), (3e-7, None), (1.0, None)],
+    [
+        (2e-9, "rtol = 1e-09, atol = 1e-09"),
+        (9e-8, "rtol = 4.5e-08, atol = 4.5e-08"),
+        (3e-7, None),
+        (1.0, None),
+    ],
 )
 def test_a_larger_tolerance_is_named_only_where_a_few_roundings_are_missing(error, would_pass):
-    check = close("id", "label", "s", measured=lambda s: s["x"] + error, expected=1.0, rtol=5e-10, atol=5e-10, reason="why")
+    check = close(
+        "id",
+        "label",
+        "s",
+        measured=lambda s: s["x"] + error,
+        expected=1.0,
+        rtol=5e-10,
+        atol=5e-10,
+        reason="why",
+    )
     notes = check.judge([{"x": np.array(1.0)}], []).notes()
     named = [f"no known mistake gives these numbers; it would pass at {would_pass}"] if would_pass else []
     assert [note for note in notes if "would pass" in note] == named
@@ -62,11 +76,17 @@ def test_conserved_below_holds():
     def first(seen):
         return seen["w"][0]
 
-    assert conserved("a", "l", "s", series=first, limit=1.5, reason="r").judge(SEEN, []).verdict is Verdict.PASS
-    assert conserved("a", "l", "s", series=first, limit=0.5, reason="r").judge(SEEN, []).verdict is Verdict.FAIL
+    assert (
+        conserved("a", "l", "s", series=first, limit=1.5, reason="r").judge(SEEN, []).verdict is Verdict.PASS
+    )
+    assert (
+        conserved("a", "l", "s", series=first, limit=0.5, reason="r").judge(SEEN, []).verdict is Verdict.FAIL
+    )
     assert below("a", "l", "s", measured=first, limit=2.0, reason="r").judge(SEEN, []).verdict is Verdict.PASS
     assert below("a", "l", "s", measured=first, limit=1.0, reason="r").judge(SEEN, []).verdict is Verdict.FAIL
-    assert holds("a", "l", "s", claim=lambda s: (False, "no"), reason="r").judge(SEEN, []).line == "✗  l   [no]"
+    assert (
+        holds("a", "l", "s", claim=lambda s: (False, "no"), reason="r").judge(SEEN, []).line == "✗  l   [no]"
+    )
 
 
 def judged(measured, seen, truth, expected=lambda truth: truth["x"]):
@@ -86,7 +106,10 @@ EXACT = [{"x": np.ones(2)}]
 @pytest.mark.parametrize("truth", [EXACT, [{"y": np.ones(2)}]], ids=["known", "unknown"])
 def test_numbers_too_large_to_compare_are_unmeasured(truth):
     outcome = judged(overflows, [1e300, 1.0], truth, expected=lambda truth: np.ones(2))
-    assert outcome.verdict is Verdict.UNMEASURED and "too large or too small to compare (too large)" in outcome.detail
+    assert (
+        outcome.verdict is Verdict.UNMEASURED
+        and "too large or too small to compare (too large)" in outcome.detail
+    )
 
 
 @pytest.mark.parametrize(
@@ -116,21 +139,36 @@ def test_an_error_that_no_number_explains_is_one_of_the_author_even_if_the_exact
 
 def test_a_wrong_length_of_the_student_fails_and_one_of_the_author_is_an_error():
     assert judged(lambda seen: seen["x"], [1.0], EXACT).detail.startswith("shape (1,) vs expected shape (2,)")
-    with pytest.raises(AuthorError, match=r"test_checks\.py line \d+: ValueError: shape \(2,\) vs expected shape \(3,\)"):
+    with pytest.raises(
+        AuthorError, match=r"test_checks\.py line \d+: ValueError: shape \(2,\) vs expected shape \(3,\)"
+    ):
         judged(lambda seen: seen["x"], [1.0, 2.0], EXACT, expected=lambda truth: np.ones(3))
 
 
 def test_an_index_beyond_what_the_student_returned_is_unmeasured():
-    assert judged(lambda seen: seen["x"][1], [1.0], EXACT, expected=lambda truth: 1.0).verdict is Verdict.UNMEASURED
+    assert (
+        judged(lambda seen: seen["x"][1], [1.0], EXACT, expected=lambda truth: 1.0).verdict
+        is Verdict.UNMEASURED
+    )
 
 
 def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths():
     seen, truth = [{"n": np.array(1.0)}, {"n": np.array(2.0)}], [{"n": np.array(3.0)}, {"n": np.array(4.0)}]
-    numbers = shows("a", "l", "s", "t", claim=lambda *all: (True, " ".join(f"{one['n']:g}" for one in all)), reason="r")
+    numbers = shows(
+        "a", "l", "s", "t", claim=lambda *all: (True, " ".join(f"{one['n']:g}" for one in all)), reason="r"
+    )
     assert numbers.judge(seen, truth).line == "✓  l   [1 2 3 4]"
-    both = {"measured": lambda a, b: a["n"] + b["n"], "expected": lambda a, b: a["n"] + b["n"] - 4.0, "scale": lambda a, b: b["n"]}
-    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, truth).verdict is Verdict.PASS
-    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, seen).verdict is Verdict.FAIL
+    both = {
+        "measured": lambda a, b: a["n"] + b["n"],
+        "expected": lambda a, b: a["n"] + b["n"] - 4.0,
+        "scale": lambda a, b: b["n"],
+    }
+    assert (
+        within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, truth).verdict is Verdict.PASS
+    )
+    assert (
+        within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, seen).verdict is Verdict.FAIL
+    )
 
 
 def test_unmeasured_carries_its_cause():
@@ -141,7 +179,9 @@ def test_unmeasured_carries_its_cause():
 
 @pytest.mark.parametrize("module", [checks, validate])
 def test_the_examples_of_the_check_words_are_what_they_print(module):
-    examples = {test.name.rpartition(".")[2] for test in doctest.DocTestFinder().find(module) if test.examples}
+    examples = {
+        test.name.rpartition(".")[2] for test in doctest.DocTestFinder().find(module) if test.examples
+    }
     words = (
         {"close", "within", "conserved", "below", "holds", "shows"}
         if module is checks

@@ -18,7 +18,9 @@ ZEROS = "def euler_eqs(t, w, I):\n    return 0 * w\n"
 
 @pytest.fixture(scope="module")
 def wheels(tmp_path_factory):
-    """The kits of two assignments and the one with both, which is for notebooks that contain the older address."""
+    """The kits of two assignments and the one with both, which is for notebooks that contain the older
+    address.
+    """
     folder = tmp_path_factory.mktemp("course")
     copied(folder)
     with known(folder):
@@ -51,13 +53,17 @@ for line in {lines!r}:
         values.append(str(error))
 print(json.dumps(values))
 """
-    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=folder, env={})
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=folder, env={}
+    )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
 def test_with_one_kit_neither_server_nor_assignment_has_to_be_named(installed):
-    report, server, slug = kernel(installed("damped-oscillator"), "ecp.check()", "ecp.course.server()", "ecp.course.assignment()")
+    report, server, slug = kernel(
+        installed("damped-oscillator"), "ecp.check()", "ecp.course.server()", "ecp.course.assignment()"
+    )
     assert report.endswith("2 of 2 public checks ✓\n") and (server, slug) == (SERVER, "damped-oscillator")
 
 
@@ -67,7 +73,10 @@ def test_a_second_kit_leaves_the_first_as_it_was(installed):
     alone = kernel(installed("damped-oscillator"), checks[0])
     both = kernel(installed("rigid-body"), *checks, "ecp.check()", "ecp.course.server()")
     assert both[0] == alone[0] and "✗" in both[1] and "Exercise 2." in both[1]
-    assert both[2].startswith("No assignment is set (kits of damped-oscillator, rigid-body are installed)") and both[3] == SERVER
+    assert (
+        both[2].startswith("No assignment is set (kits of damped-oscillator, rigid-body are installed)")
+        and both[3] == SERVER
+    )
 
 
 @pytest.mark.slow
@@ -75,26 +84,41 @@ def test_the_kit_at_the_older_address_holds_all_assignments(installed):
     checks = ('ecp.check("2", assignment="rigid-body")', 'ecp.check("1", assignment="damped-oscillator")')
     reports = kernel(installed(None), *checks, 'ecp.course.build("rigid-body")')
     assert "✗" in reports[0] and "2 of 2 public checks ✓" in reports[1]
-    assert kernel(installed("rigid-body"), 'ecp.course.build("rigid-body")') == reports[2:], "the same kit, so no remark on its age"
+    assert kernel(installed("rigid-body"), 'ecp.course.build("rigid-body")') == reports[2:], (
+        "the same kit, so no remark on its age"
+    )
 
 
 def test_the_message_without_an_assignments_kit_has_its_address(installed):
     (sentence,) = kernel(installed("damped-oscillator"), 'ecp.check(assignment="rigid-body")')
     assert "the kit of rigid-body is not installed, only that of damped-oscillator" in sentence
-    assert f"%pip install --force-reinstall --no-deps {SERVER}/kit/{filename('rigid-body')} and restart the kernel" in sentence
+    assert (
+        f"%pip install --force-reinstall --no-deps {SERVER}/kit/{filename('rigid-body')} and restart the"
+        " kernel" in sentence
+    )
 
 
 def test_a_kit_that_does_not_fit_the_one_installed_last_says_so(installed):
     folder = installed("damped-oscillator", "rigid-body")
-    (folder / "ecp" / "assignments" / "damped_oscillator" / "__init__.py").write_text("from ecp.checks import earlier\n")
-    broken, other = kernel(folder, 'ecp.check(assignment="damped-oscillator")', 'ecp.check("2", assignment="rigid-body")')
-    assert "the kit of damped-oscillator does not fit the installed version of ecp (ImportError: cannot import name" in broken
+    (folder / "ecp" / "assignments" / "damped_oscillator" / "__init__.py").write_text(
+        "from ecp.checks import earlier\n"
+    )
+    broken, other = kernel(
+        folder, 'ecp.check(assignment="damped-oscillator")', 'ecp.check("2", assignment="rigid-body")'
+    )
+    assert (
+        "the kit of damped-oscillator does not fit the installed version of ecp (ImportError: cannot import"
+        " name" in broken
+    )
     assert f"{SERVER}/kit/{filename('damped-oscillator')}" in broken and "✗" in other
 
 
 @pytest.mark.slow
 def test_pip_installs_both_kits_and_the_older_one_in_one_environment(wheels, tmp_path):
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", tmp_path / "venv"], check=True)
+    subprocess.run(
+        [sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", tmp_path / "venv"],
+        check=True,
+    )
     for slug in (None, "damped-oscillator", "rigid-body"):
         (tmp_path / filename(slug)).write_bytes(wheels[slug])
         pip = [
@@ -111,5 +135,7 @@ def test_pip_installs_both_kits_and_the_older_one_in_one_environment(wheels, tmp
         done = subprocess.run([*pip, tmp_path / filename(slug)], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
     (packages,) = (tmp_path / "venv").glob("lib/*/site-packages")
-    reports = kernel(packages, 'ecp.check("1", assignment="damped-oscillator")', 'ecp.check("2", assignment="rigid-body")')
+    reports = kernel(
+        packages, 'ecp.check("1", assignment="damped-oscillator")', 'ecp.check("2", assignment="rigid-body")'
+    )
     assert "2 of 2 public checks ✓" in reports[0] and "Exercise 2." in reports[1]

@@ -66,7 +66,10 @@ def notebook(capsys):
 def test_a_plain_function(notebook):
     notebook.run("import numpy as np", "def f(t, w, I):\n    # Euler\n    return -np.cross(w, I * w) / I")
     bundle = notebook.gather("f")
-    assert bundle.source == "import numpy as np\n\n\ndef f(t, w, I):\n    # Euler\n    return -np.cross(w, I * w) / I\n"
+    assert (
+        bundle.source
+        == "import numpy as np\n\n\ndef f(t, w, I):\n    # Euler\n    return -np.cross(w, I * w) / I\n"
+    )
     assert bundle.names == ("f",) and bundle.left_out == ()
     assert len(bundle.sha256) == 64
     w, I = np.array([1.0, 2, 3]), np.array([3.0, 2, 1])
@@ -87,7 +90,12 @@ def test_a_cell_that_failed_before_its_definition_is_not_believed(notebook):
 
 
 def test_an_older_function_under_a_new_name(notebook):
-    notebook.run("def f(n):\n    return 'old'", "g = f", "def f(n):\n    return 'new'", "def both(n):\n    return f(n), g(n)")
+    notebook.run(
+        "def f(n):\n    return 'old'",
+        "g = f",
+        "def f(n):\n    return 'new'",
+        "def both(n):\n    return f(n), g(n)",
+    )
     assert notebook.sent("both")(0) == ("new", "old")
     assert notebook.sent("g")(0) == "old"
 
@@ -98,7 +106,9 @@ def test_a_second_name_of_the_same_function(notebook):
     assert alone(gather("g", namespace=notebook.shell.user_ns, cells=notebook.cells))["g"](5) == 120
 
 
-@pytest.mark.parametrize("head", ["%%time", "%%capture", "%%capture out", "%%prun -q", "%%time\n%%capture", "\n\n%%time"])
+@pytest.mark.parametrize(
+    "head", ["%%time", "%%capture", "%%capture out", "%%prun -q", "%%time\n%%capture", "\n\n%%time"]
+)
 def test_a_cell_magic_that_lets_python_through(notebook, head):
     notebook.run(f"{head}\nk = 3\ndef f(x):\n    return k * x")
     assert notebook.sent()(2) == 6
@@ -106,7 +116,8 @@ def test_a_cell_magic_that_lets_python_through(notebook, head):
 
 def test_imports_in_the_cell_of_the_definition(notebook):
     notebook.run(
-        "%%time\nimport math\nimport numpy as np\ndef f(x):\n    return np.sum(x) + math.prod((2, x)) if x else f.__name__.upper()"
+        "%%time\nimport math\nimport numpy as np\ndef f(x):\n    return np.sum(x) + math.prod((2, x)) if x"
+        " else f.__name__.upper()"
     )
     assert notebook.sent()(3) == 9
     notebook.run("%%time\ndef f(x):\n    if x:\n        x += 1\n        x *= 2\n    return x")
@@ -123,8 +134,8 @@ def test_a_definition_that_was_also_timed(notebook):
 
 def test_line_magics_and_shell_lines_among_python(notebook):
     notebook.run(
-        "%xmode Plain\n!true \\\n   --continued\n%time k = [1, 2]\ntext = '''\n%not a magic\n'''\nfiles = !echo it\\'s\nk?\n"
-        "def f(x):\n    return (text, 7\n        % 4, k)"
+        "%xmode Plain\n!true \\\n   --continued\n%time k = [1, 2]\ntext = '''\n%not a magic\n'''\nfiles ="
+        " !echo it\\'s\nk?\ndef f(x):\n    return (text, 7\n        % 4, k)"
     )
     assert notebook.sent()(0) == ("\n%not a magic\n", 3, [1, 2])
 
@@ -157,7 +168,9 @@ def test_a_partial(notebook):
 
 
 def test_a_partial_of_a_function_that_has_changed_must_be_made_again(notebook):
-    notebook.run("import functools\ndef g(a):\n    return a", "f = functools.partial(g)", "def g(a):\n    return -a")
+    notebook.run(
+        "import functools\ndef g(a):\n    return a", "f = functools.partial(g)", "def g(a):\n    return -a"
+    )
     with pytest.raises(CannotSend, match="run that cell again"):
         notebook.gather("f")
     notebook.run("f = functools.partial(g)")
@@ -165,14 +178,18 @@ def test_a_partial_of_a_function_that_has_changed_must_be_made_again(notebook):
 
 
 def test_decorated_by_the_standard_library(notebook):
-    notebook.run("import functools\n@functools.lru_cache(maxsize=None)\ndef f(n):\n    return n if n < 2 else f(n - 1) + f(n - 2)")
+    notebook.run(
+        "import functools\n@functools.lru_cache(maxsize=None)\ndef f(n):\n    return n if n < 2 else f(n - 1)"
+        " + f(n - 2)"
+    )
     assert notebook.sent()(50) == 12586269025
 
 
 def test_decorated_by_a_decorator_of_the_notebook(notebook):
     notebook.run(
         "import functools\nscale = 3",
-        "def twice(g):\n    @functools.wraps(g)\n    def wrapper(*a):\n        return 2 * scale * g(*a)\n    return wrapper",
+        "def twice(g):\n    @functools.wraps(g)\n    def wrapper(*a):\n        return 2 * scale * g(*a)\n   "
+        " return wrapper",
         "@twice\ndef f(x):\n    return x + 1",
         "1",
         "def twice_again(g):\n    return lambda *a: 2 * g(*a)",
@@ -192,14 +209,18 @@ def test_a_decorator_that_stands_later_than_what_it_decorates(notebook):
 def test_decorated_by_a_compiler(notebook):
     pytest.importorskip("numba")
     notebook.run(
-        "from numba import njit\n@njit\ndef g(x):\n    return x + 1\n\ndef f(x):\n    return g(x)", "h = njit(f)", "f = njit(f)"
+        "from numba import njit\n@njit\ndef g(x):\n    return x + 1\n\ndef f(x):\n    return g(x)",
+        "h = njit(f)",
+        "f = njit(f)",
     )
     assert "@njit\ndef g(x)" in notebook.gather("f").source
     assert notebook.sent()(1) == 2
 
 
 def test_wrapped_by_an_assignment_to_its_own_name(notebook):
-    notebook.run("import numpy as np\ndef f(x):\n    return 0", "def f(x):\n    return x + 1", "f = np.vectorize(f)")
+    notebook.run(
+        "import numpy as np\ndef f(x):\n    return 0", "def f(x):\n    return x + 1", "f = np.vectorize(f)"
+    )
     assert notebook.sent()([1, 2]).tolist() == [2, 3]
     notebook.run("def twice(g):\n    return lambda x: 2 * g(x)", "def h(x):\n    return x", "h = twice(h)")
     assert notebook.sent("h")(1) == 2
@@ -220,10 +241,11 @@ def test_an_instance_that_can_be_called(notebook):
 
 def test_classes_and_dataclasses(notebook):
     notebook.run(
-        "from dataclasses import dataclass, field\nclass Base:\n    unit = 2\n    def turn(self):\n        return self.unit",
-        "default = 5.0\n@dataclass(frozen=True)\nclass Body(Base):\n    m: float = default\n"
-        "    parts: list = field(default_factory=list)\n"
-        "    @staticmethod\n    def new():\n        return Body()\n    @property\n    def twice(self):\n        return 2 * self.m",
+        "from dataclasses import dataclass, field\nclass Base:\n    unit = 2\n    def turn(self):\n       "
+        " return self.unit",
+        "default = 5.0\n@dataclass(frozen=True)\nclass Body(Base):\n    m: float = default\n    parts: list ="
+        " field(default_factory=list)\n    @staticmethod\n    def new():\n        return Body()\n   "
+        " @property\n    def twice(self):\n        return 2 * self.m",
         "def f():\n    b = Body.new()\n    return b.twice, b.turn(), b",
         "class Body2:\n    pass",
     )
@@ -232,14 +254,20 @@ def test_classes_and_dataclasses(notebook):
 
 
 def test_the_current_class_counts(notebook):
-    notebook.run("class A:\n    def g(self):\n        return 1", "B = A", "class A:\n    def g(self):\n        return 2")
+    notebook.run(
+        "class A:\n    def g(self):\n        return 1",
+        "B = A",
+        "class A:\n    def g(self):\n        return 2",
+    )
     notebook.run("def f():\n    return A().g(), B().g()")
     assert notebook.sent()() == (2, 1)
 
 
 def test_named_tuples(notebook):
     notebook.run(
-        "from collections import namedtuple\nP = namedtuple('P', 'x y')", "p = P(1, 2)", "def f():\n    return p.x + P(3, 4).y"
+        "from collections import namedtuple\nP = namedtuple('P', 'x y')",
+        "p = P(1, 2)",
+        "def f():\n    return p.x + P(3, 4).y",
     )
     assert notebook.sent()() == 5
 
@@ -258,7 +286,11 @@ def test_a_closure_is_sent_as_the_statement_that_made_it(notebook):
 
 
 def test_two_functions_from_one_statement(notebook):
-    notebook.run("def pair(k):\n    return (lambda x: k * x), (lambda x: k + x)", "f, g = pair(3)", "def h(x):\n    return f(g(x))")
+    notebook.run(
+        "def pair(k):\n    return (lambda x: k * x), (lambda x: k + x)",
+        "f, g = pair(3)",
+        "def h(x):\n    return f(g(x))",
+    )
     assert notebook.sent("h")(1) == 12
     assert notebook.gather("h").source.count("pair(3)") == 1
     notebook.run("g = 4.0", "def h(x):\n    return f(x) + g")
@@ -275,7 +307,8 @@ def test_a_function_made_by_exec_cannot_be_sent(notebook):
 
 def test_definitions_inside_blocks(notebook):
     notebook.run(
-        "k = 2\nif k > 1:\n    def f(x):\n        '''A\n  text.'''\n        return k * x\nelse:\n    def f(x):\n        return 0",
+        "k = 2\nif k > 1:\n    def f(x):\n        '''A\n  text.'''\n        return k * x\nelse:\n    def"
+        " f(x):\n        return 0",
         "try:\n    import not_there\nexcept ImportError:\n"
         "    @staticmethod\n    def g(x):\n        return f(x)\n    h = lambda x: g(x)",
         "for _k in range(2):\n    with open('/dev/null') as null:\n        def loop(x): return h(x) + 1",
@@ -298,7 +331,9 @@ def test_helpers_in_other_cells_and_mutual_recursion(notebook):
 
 
 def test_a_helper_redefined_after_the_main_function_is_sent_as_it_is_now(notebook):
-    notebook.run("def helper(x):\n    return 1", "def f(x):\n    return helper(x)", "def helper(x):\n    return 2")
+    notebook.run(
+        "def helper(x):\n    return 1", "def f(x):\n    return helper(x)", "def helper(x):\n    return 2"
+    )
     assert notebook.sent()(0) == notebook["f"](0) == 2
 
 
@@ -374,13 +409,17 @@ def test_data_from_files_is_left_out_with_everything_made_of_it(notebook, tmp_pa
     bundle = notebook.gather("f")
     assert {out.name: out.needed_by for out in bundle.left_out} == {"half": "f", "lines": "f"}
     sentences = {out.name: out.sentence for out in bundle.left_out}
-    assert "`half` is made with `data`" in sentences["half"] and "compute it without them" in sentences["half"]
+    assert (
+        "`half` is made with `data`" in sentences["half"] and "compute it without them" in sentences["half"]
+    )
     assert bundle.source == "def g():\n    return 1\n\n\ndef f():\n    return half, lines, g()\n"
     notebook["file"].close()
 
 
 def test_a_function_that_cannot_run_without_what_is_left_out_is_refused(notebook):
-    notebook.run("exec('def g(x): return x')", "def f(x, how=g):\n    return how(x)", "def h(x):\n    return f(x)")
+    notebook.run(
+        "exec('def g(x): return x')", "def f(x, how=g):\n    return how(x)", "def h(x):\n    return f(x)"
+    )
     with pytest.raises(CannotSend, match="`f` is made with `g`"):
         notebook.gather("f")
     assert [out.name for out in notebook.gather("h").left_out] == ["f"]
@@ -430,11 +469,12 @@ def test_of_a_choice_the_whole_is_sent(notebook):
 
 def test_only_global_names_are_followed(notebook):
     notebook.run(
-        "import math\nlocal = open('/dev/null')\nattribute = arg = inner = loop = local\nsize = 3\nclass_level = local",
-        "def g(arg, *, p=size):\n    local = arg\n    class K:\n        class_level = 1\n"
-        "        def m(self):\n            return self.attribute\n"
-        "    def inner():\n        nonlocal local\n        local += 1\n        return [loop for loop in range(local)]\n"
-        "    math.attribute = K.class_level\n    import json as attribute\n    return inner(), len(str(local))",
+        "import math\nlocal = open('/dev/null')\nattribute = arg = inner = loop = local\nsize ="
+        " 3\nclass_level = local",
+        "def g(arg, *, p=size):\n    local = arg\n    class K:\n        class_level = 1\n        def"
+        " m(self):\n            return self.attribute\n    def inner():\n        nonlocal local\n       "
+        " local += 1\n        return [loop for loop in range(local)]\n    math.attribute = K.class_level\n   "
+        " import json as attribute\n    return inner(), len(str(local))",
         "def f(x: 'attribute') -> None:\n    return g(x)",
     )
     bundle = notebook.gather("f")
@@ -448,7 +488,8 @@ def test_default_arguments_decorators_annotations_and_bases_are_needed_first(not
         "from typing import NamedTuple\nimport numpy as np\nclass Zero(NamedTuple):\n    x: float = 1.0",
         "def start():\n    return other()",
         "def other():\n    return 7",
-        "def f(t, y: Zero, z=start(), g=[k * start() for k in range(2)], h=lambda: later()) -> np.ndarray:\n    return t + z + h()",
+        "def f(t, y: Zero, z=start(), g=[k * start() for k in range(2)], h=lambda: later()) -> np.ndarray:\n "
+        "   return t + z + h()",
         "def later():\n    return 100",
     )
     assert notebook.sent()(1, 2) == 108
@@ -461,7 +502,8 @@ def test_global_statements(notebook):
 
 def test_imports_are_sent_as_the_notebook_has_them(notebook):
     notebook.run(
-        "import numpy as np, os.path as p\nfrom scipy.integrate import solve_ivp as solve\nfrom math import sin as s, pi",
+        "import numpy as np, os.path as p\nfrom scipy.integrate import solve_ivp as solve\nfrom math import"
+        " sin as s, pi",
         "import matplotlib as mpl\nimport matplotlib.animation\nfrom scipy import linalg",
         "def f(x):\n    import json\n    return np.cos(x) + s(x), pi, p.join('a', 'b'), json.dumps(1)",
         "def g():\n    return solve, mpl.animation.FuncAnimation, linalg.inv, matplotlib.animation",
@@ -484,7 +526,9 @@ def test_imports_are_sent_as_the_notebook_has_them(notebook):
 
 
 def test_of_a_star_import_the_used_names_are_sent(notebook):
-    notebook.run("from numpy import *\nnothing = None", "def f(x):\n    return sin(x) + sum(array([pi, x])), nothing")
+    notebook.run(
+        "from numpy import *\nnothing = None", "def f(x):\n    return sin(x) + sum(array([pi, x])), nothing"
+    )
     assert "from numpy import sum" in notebook.gather("f").source
     assert notebook.sent()(1.0) == notebook["f"](1.0)
 
@@ -493,22 +537,28 @@ def test_names_that_no_cell_imports_are_found_in_public_modules(notebook):
     import scipy.integrate
     import scipy.optimize as optimize
 
-    notebook.shell.user_ns.update(solve_ivp=scipy.integrate.solve_ivp, opt=optimize, sine=np.sin, cache=functools.lru_cache)
+    notebook.shell.user_ns.update(
+        solve_ivp=scipy.integrate.solve_ivp, opt=optimize, sine=np.sin, cache=functools.lru_cache
+    )
     notebook.run("@cache\ndef f():\n    return solve_ivp, opt, sine(1)")
-    assert "from scipy.integrate import solve_ivp\nimport scipy.optimize as opt" in notebook.gather("f").source
+    assert (
+        "from scipy.integrate import solve_ivp\nimport scipy.optimize as opt" in notebook.gather("f").source
+    )
     assert notebook.sent()() == notebook["f"]()
 
 
 def test_imports_in_a_try(notebook):
     notebook.run(
-        "try:\n    from not_there import sin\nexcept ImportError:\n    from math import sin", "def f(x):\n    return sin(x)"
+        "try:\n    from not_there import sin\nexcept ImportError:\n    from math import sin",
+        "def f(x):\n    return sin(x)",
     )
     assert notebook.gather("f").source.startswith("from math import sin\n")
 
 
 def test_future_imports_come_first(notebook):
     notebook.run(
-        "from __future__ import annotations", "def f(x: Unknown):\n    def g(y: Unknown):\n        return y\n    return g(x)"
+        "from __future__ import annotations",
+        "def f(x: Unknown):\n    def g(y: Unknown):\n        return y\n    return g(x)",
     )
     assert notebook.gather("f").source.startswith("from __future__ import annotations\n\n\ndef f")
     assert notebook.sent()(1) == 1
@@ -517,7 +567,9 @@ def test_future_imports_come_first(notebook):
 def test_a_file_of_the_students_own(notebook, tmp_path, monkeypatch):
     (tmp_path / "my_rates.py").write_text("def rate(x):\n    return x\nk = 2\n")
     monkeypatch.syspath_prepend(tmp_path)
-    notebook.run("import my_rates\nfrom my_rates import rate, k", "def f(x):\n    return my_rates.rate(x) + k")
+    notebook.run(
+        "import my_rates\nfrom my_rates import rate, k", "def f(x):\n    return my_rates.rate(x) + k"
+    )
     (out,) = notebook.gather("f").left_out
     assert out.name == "my_rates" and "my_rates.py: copy its code into a cell" in out.sentence
     with pytest.raises(CannotSend, match="copy its code into a cell"):
@@ -525,10 +577,14 @@ def test_a_file_of_the_students_own(notebook, tmp_path, monkeypatch):
 
 
 def test_what_belongs_to_the_kit_is_imported(notebook):
-    notebook.run("import ecp\nfrom ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import FACE_COLORS")
+    notebook.run(
+        "import ecp\nfrom ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import"
+        " FACE_COLORS"
+    )
     notebook.run("def f():\n    return ecp, d, show, FACE_COLORS")
     assert notebook.gather("f").source.startswith(
-        "from ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import FACE_COLORS\nimport ecp\n"
+        "from ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import FACE_COLORS\nimport"
+        " ecp\n"
     )
     notebook.shell.user_ns.update(show2=notebook["show"])
     notebook.run("def f():\n    return show2")
@@ -576,7 +632,12 @@ def test_a_label_with_a_backslash_does_not_warn(notebook):
 
 
 def test_the_same_state_gives_the_same_text_however_often_cells_ran(notebook):
-    cells = ["import numpy as np", "k = 3", "def g(x):\n    return k * x", "def f(x):\n    return g(x) + np.sin(x)"]
+    cells = [
+        "import numpy as np",
+        "k = 3",
+        "def g(x):\n    return k * x",
+        "def f(x):\n    return g(x) + np.sin(x)",
+    ]
     notebook.run(*cells)
     before = notebook.gather("f").sha256
     notebook.run(cells[3], "f(1)", cells[2], cells[0], "%%time\n" + cells[2])

@@ -18,7 +18,11 @@ def failed(id, *diagnosis, **more):
 
 def test_the_causes_come_first_those_that_explain_most_before_others():
     first = [failed("a", ORDER), outcome("b"), failed("c", SIGN), failed("d", SIGN)]
-    second = [failed("e", SIGN), outcome("f", "unmeasured", cause=STOPPED.sentence, diagnosis=[STOPPED]), failed("g")]
+    second = [
+        failed("e", SIGN),
+        outcome("f", "unmeasured", cause=STOPPED.sentence, diagnosis=[STOPPED]),
+        failed("g"),
+    ]
     top, *exercises = report(first, second).text().split("\n\n")
     assert top == (
         "3 causes explain 4 failures and 1 check not measured:\n"
@@ -32,12 +36,16 @@ def test_the_causes_come_first_those_that_explain_most_before_others():
     )
     below = "\n".join(exercises)
     assert below.count("cause 1: sign-flipped") == 3 and below.count("cause 2: cyclic-order") == 1
-    assert SIGN.sentence not in below and below.count(STOPPED.sentence) == 1  # in the line that was not measured
+    assert (
+        SIGN.sentence not in below and below.count(STOPPED.sentence) == 1
+    )  # in the line that was not measured
 
 
 def test_a_single_failure_has_its_cause_first_and_no_header():
     text = report([outcome("a"), failed("b", SIGN)]).text()
-    assert text.startswith("1. likely sign-flipped: ω̇₂ has the opposite sign\n     exercise 1: label b\n\nExercise 1.")
+    assert text.startswith(
+        "1. likely sign-flipped: ω̇₂ has the opposite sign\n     exercise 1: label b\n\nExercise 1."
+    )
 
 
 def test_a_line_that_states_its_cause_does_not_refer_to_it():
@@ -47,7 +55,11 @@ def test_a_line_that_states_its_cause_does_not_refer_to_it():
 
 
 def test_one_check_with_two_diagnoses_is_counted_once():
-    assert report([failed("a", SIGN, ORDER), failed("b", SIGN, ORDER)]).text().startswith("2 causes explain 2 failures:\n")
+    assert (
+        report([failed("a", SIGN, ORDER), failed("b", SIGN, ORDER)])
+        .text()
+        .startswith("2 causes explain 2 failures:\n")
+    )
 
 
 def test_nothing_is_grouped_without_a_diagnosis_of_a_check_that_counts():
@@ -58,11 +70,18 @@ def test_nothing_is_grouped_without_a_diagnosis_of_a_check_that_counts():
 def test_the_html_states_each_cause_once_and_escapes_it():
     page = html(report([failed("a", ORDER), failed("b", ORDER)]))
     assert page.count("One cause explains 2 failures:") == page.count("ω̇₁ &amp; ω̇₂ are swapped") == 1
-    assert page.index("cyclic-order") < page.index("Exercise 1.") and page.count("cause 1: <b>cyclic-order</b>") == 2
+    assert (
+        page.index("cyclic-order") < page.index("Exercise 1.")
+        and page.count("cause 1: <b>cyclic-order</b>") == 2
+    )
 
 
 def test_the_html_marks_what_a_line_is_worth():
-    lines = [outcome("a", "fail", points=4, partial=RowsRight(1, 2)), outcome("b", counted=False), outcome("c", self_reported=True)]
+    lines = [
+        outcome("a", "fail", points=4, partial=RowsRight(1, 2)),
+        outcome("b", counted=False),
+        outcome("c", self_reported=True),
+    ]
     page = html(report(lines))
     badges = re.findall(r'<span class="badge">(.*?)</span>', page)
     assert badges == ["2 of 4 points", "not counted", "self-reported, no points"] and "hidden" not in page
@@ -83,5 +102,8 @@ def test_only_a_web_page_has_anchors_and_only_staff_see_what_is_hidden():
     linked = cause_list(causes, links=True)
     assert '<li id="cause-1">' in linked and '<a href="#check-a&lt;b&gt;">' in linked
     shown = outcome_item(one, {SIGN.sentence: 1}, links=True, staff="allowed <1>")
-    assert '<li class="fail" id="check-a&lt;b&gt;">' in shown and '<a href="#cause-1">cause 1</a>: <b>sign-flipped</b>' in shown
+    assert (
+        '<li class="fail" id="check-a&lt;b&gt;">' in shown
+        and '<a href="#cause-1">cause 1</a>: <b>sign-flipped</b>' in shown
+    )
     assert '<span class="badge">hidden</span>' in shown and "<p>allowed &lt;1&gt;</p></details>" in shown

@@ -6,7 +6,13 @@ import ecp
 from ecp import course, health
 from tests.support.fake_server import Scripted, problem, says
 
-RULES = {"due_at": "2026-03-01T12:00:00+00:00", "extended": False, "over": False, "submission_limit": 10, "used": 3}
+RULES = {
+    "due_at": "2026-03-01T12:00:00+00:00",
+    "extended": False,
+    "over": False,
+    "submission_limit": 10,
+    "used": 3,
+}
 READY = says(200, {"status": "ready"})
 ME = says(200, {"person": "ann", "local": False})
 
@@ -32,13 +38,20 @@ def test_it_states_the_server_the_deadline_and_the_submissions(server, capsys):
     assert printed(server, capsys, ME, READY, says(200, RULES), says(200, {})) == (
         "Logged in as ann.\nSERVER is ready. Deadline: 2026-03-01 12:00 UTC. Submissions used: 3 of 10.\n"
     )
-    assert [request.path for request in server.seen][:3] == ["/v1/me", "/readyz", "/v1/assignments/rigid-body/submissions"]
+    assert [request.path for request in server.seen][:3] == [
+        "/v1/me",
+        "/readyz",
+        "/v1/assignments/rigid-body/submissions",
+    ]
 
 
 @pytest.mark.parametrize(
     ("rules", "text"),
     [
-        ({"extended": True, "over": True}, "12:00 UTC with your extension (over). Submissions used: 3 of 10."),
+        (
+            {"extended": True, "over": True},
+            "12:00 UTC with your extension (over). Submissions used: 3 of 10.",
+        ),
         ({"due_at": None, "submission_limit": None}, "is ready. Deadline: none. Submissions used: 3."),
     ],
 )
@@ -52,7 +65,9 @@ def test_what_fails_is_said_and_does_not_stop_the_notebook(server, capsys):
 
 
 def test_an_older_server_has_no_rules(server, capsys):
-    assert printed(server, capsys, ME, READY, says(200, {"submissions": []}), says(200, {})).endswith("SERVER is ready.\n")
+    assert printed(server, capsys, ME, READY, says(200, {"submissions": []}), says(200, {})).endswith(
+        "SERVER is ready.\n"
+    )
 
 
 def test_without_the_server_the_local_checks_remain(server, capsys, monkeypatch):

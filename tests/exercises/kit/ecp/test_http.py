@@ -91,7 +91,11 @@ def closed_port():
 def test_an_answer_has_status_lower_case_headers_and_body_and_the_request_its_headers(start):
     server = start(says(202, {"id": "7"}, Location="/v1/submissions/7", Retry_After="1"))
     answer = call("POST", f"{server.url}/v1/x?y=1#z", body=b"{}", headers=BEARER | {"Idempotency-Key": "k"})
-    assert (answer.status, answer.json(), answer.headers["location"]) == (202, {"id": "7"}, "/v1/submissions/7")
+    assert (answer.status, answer.json(), answer.headers["location"]) == (
+        202,
+        {"id": "7"},
+        "/v1/submissions/7",
+    )
     seen = server.seen[0]
     assert (seen.method, seen.path, seen.body) == ("POST", "/v1/x?y=1", b"{}")
     assert (seen.headers["authorization"], seen.headers["idempotency-key"]) == (f"Bearer {TOKEN}", "k")
@@ -109,7 +113,8 @@ def test_a_text_is_an_answer_and_a_page_only_where_it_was_asked_for(start):
 
 @pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize(
-    "step", [says(503, b""), says(502, b"<p>", "text/html"), says(504), problem(429, "busy", "x"), hangs_up, cuts]
+    "step",
+    [says(503, b""), says(502, b"<p>", "text/html"), says(504), problem(429, "busy", "x"), hangs_up, cuts],
 )
 def test_what_may_pass_is_tried_again(start, step, times):
     server = start(*[step] * times, says(200, {"there": 1}))
@@ -161,7 +166,10 @@ def test_a_wait_is_a_number_or_a_date():
 def test_a_post_cut_in_mid_answer_is_repeated_with_the_same_headers_and_body(start):
     server = start(cuts, hangs_up, says(202, {"id": "7"}))
     call(
-        "POST", server.url, body=b'{"source": "x"}', headers=BEARER | {"Idempotency-Key": "one", "Content-Type": "application/json"}
+        "POST",
+        server.url,
+        body=b'{"source": "x"}',
+        headers=BEARER | {"Idempotency-Key": "one", "Content-Type": "application/json"},
     )
     assert len(server.seen) == 3
     assert server.seen[0] == server.seen[1] == server.seen[2]
@@ -211,8 +219,16 @@ def test_a_students_random_numbers_stay_the_same(start):
         (problem(401, "nobody", "unknown token"), "nobody", "(unknown token): run ecp.login()"),
         (says(401, b"<p>", "text/html"), "nobody", "run ecp.login() and try again"),
         (problem(401, "revoked", "it was revoked"), "revoked", "(it was revoked): run ecp.login()"),
-        (problem(403, "deadline-over", "it was at noon"), "deadline-over", "The deadline has passed (it was at noon)"),
-        (problem(403, "none-left", "all 3 are used"), "none-left", "You have no submissions left (all 3 are used)"),
+        (
+            problem(403, "deadline-over", "it was at noon"),
+            "deadline-over",
+            "The deadline has passed (it was at noon)",
+        ),
+        (
+            problem(403, "none-left", "all 3 are used"),
+            "none-left",
+            "You have no submissions left (all 3 are used)",
+        ),
         (
             problem(429, "too-many-open", "20 of your submissions are waiting", Retry_After="10"),
             "too-many-open",
@@ -227,11 +243,27 @@ def test_a_students_random_numbers_stay_the_same(start):
         (problem(503, "no-walls", "none is taken: x"), "no-walls", "None is taken: x."),
         (problem(422, "bad-submission", "line 3 is wrong"), "bad-submission", "Line 3 is wrong."),
         (problem(404, "not-found", "there is no assignment x"), "not-found", "There is no assignment x."),
-        (problem(500, "fault", "it failed", X_Request_Id="ab-1\u00e9<"), "fault", "not your mistake (request ab-1): try again"),
+        (
+            problem(500, "fault", "it failed", X_Request_Id="ab-1\u00e9<"),
+            "fault",
+            "not your mistake (request ab-1): try again",
+        ),
         (says(500, b"<p>", "text/html"), "fault", "not your mistake: try again"),
-        (says(404, b"<p>", "text/html"), "not-polhode", "There is no polhode server at http://127.0.0.1:{port}, something else"),
-        (says(404, {"detail": "Not Found"}), "not-polhode", "something else answered (404): check the address."),
-        (says(200, b"<p>", "text/html; charset=utf-8"), "not-polhode", "answered (200, a web page, perhaps a login page)"),
+        (
+            says(404, b"<p>", "text/html"),
+            "not-polhode",
+            "There is no polhode server at http://127.0.0.1:{port}, something else",
+        ),
+        (
+            says(404, {"detail": "Not Found"}),
+            "not-polhode",
+            "something else answered (404): check the address.",
+        ),
+        (
+            says(200, b"<p>", "text/html; charset=utf-8"),
+            "not-polhode",
+            "answered (200, a web page, perhaps a login page)",
+        ),
         (says(418, b""), "", "refused the request (418)."),
         (says(403, b"not json", "application/problem+json"), "", "refused the request (403)."),
         (says(302, b"", Location="/"), "moved", "Too many redirects"),
@@ -274,7 +306,9 @@ def test_what_the_network_tells_in_words():
     assert "proxy" in words(URLError(OSError("Tunnel connection failed: 407")))
     assert "was lost" in words(http.client.IncompleteRead(b"x"))
     assert "was lost" in words(http.client.RemoteDisconnected("x"))
-    assert not http_sockets.unreachable(URLError(socket.gaierror(socket.EAI_NONAME, "x")), "http://a", 3).passing
+    assert not http_sockets.unreachable(
+        URLError(socket.gaierror(socket.EAI_NONAME, "x")), "http://a", 3
+    ).passing
     assert http_sockets.unreachable(URLError(socket.gaierror(socket.EAI_AGAIN, "x")), "http://a", 3).passing
 
 
@@ -328,8 +362,24 @@ def test_an_answer_too_long_is_not_read_to_its_end(start, monkeypatch):
 
 @pytest.mark.parametrize(
     "url",
-    ["ftp://a.example/", "file:///etc/passwd", "polhode.example", "", "http://", "http://a b/", "http://a:x/", "http://a:0/"]
-    + ["http://a..b/", "http://ω.example/", f"https://me:{TOKEN}@a.example/", "http://a/\r\nX: y", "http://[::1", "javascript:1"],
+    [
+        "ftp://a.example/",
+        "file:///etc/passwd",
+        "polhode.example",
+        "",
+        "http://",
+        "http://a b/",
+        "http://a:x/",
+        "http://a:0/",
+    ]
+    + [
+        "http://a..b/",
+        "http://ω.example/",
+        f"https://me:{TOKEN}@a.example/",
+        "http://a/\r\nX: y",
+        "http://[::1",
+        "javascript:1",
+    ],
 )
 def test_what_is_no_address_is_told_at_once(url):
     assert "is not a server address" in str(trouble(url, patience=60.0))
@@ -337,7 +387,9 @@ def test_what_is_no_address_is_told_at_once(url):
 
 @pytest.mark.parametrize("token", [f"{TOKEN}\nX: y", f"{TOKEN}\u00e9", f"{TOKEN}\x00"])
 def test_a_token_that_cannot_be_sent_is_told_but_not_shown(token):
-    assert str(trouble("http://a.invalid", headers={"Authorization": f"Bearer {token}"})).startswith("Your token has a character")
+    assert str(trouble("http://a.invalid", headers={"Authorization": f"Bearer {token}"})).startswith(
+        "Your token has a character"
+    )
 
 
 def test_white_space_around_a_token_does_no_harm(start):
@@ -374,7 +426,10 @@ def test_a_redirect_to_another_host_is_not_followed(start, status):
 
 
 def test_a_redirect_to_another_scheme_or_nowhere_is_not_followed(start):
-    server = start(says(302, b"", Location="file:///etc/passwd"), says(302, b"", Location=f"https://127.0.0.1:{closed_port()}/"))
+    server = start(
+        says(302, b"", Location="file:///etc/passwd"),
+        says(302, b"", Location=f"https://127.0.0.1:{closed_port()}/"),
+    )
     assert "is not a server address" in str(trouble(server.url))
     assert "redirects to https://127.0.0.1" in str(trouble(server.url))
 
@@ -392,7 +447,12 @@ def test_a_proxy_of_the_environment_is_used_but_not_for_loopback(start, monkeypa
 
 
 def follow(server, **how):
-    return list(events(f"{server.url}/v1/submissions/7/events", **({"headers": BEARER, "patience": 2.0, "pause": 0.02} | how)))
+    return list(
+        events(
+            f"{server.url}/v1/submissions/7/events",
+            **({"headers": BEARER, "patience": 2.0, "pause": 0.02} | how),
+        )
+    )
 
 
 def test_a_stream_is_told_as_it_comes(start):
@@ -432,7 +492,10 @@ def test_a_lost_stream_is_resumed_after_its_last_event(start):
 
 def test_a_result_that_comes_while_the_stream_is_lost_is_found_by_asking(start):
     server = start(streams(event("running", "r 1")), says(200, {"status": "graded", "report": {}}))
-    assert follow(server) == [Event("running", "r 1", {"status": "running"}), Event("graded", "", {"status": "graded"})]
+    assert follow(server) == [
+        Event("running", "r 1", {"status": "running"}),
+        Event("graded", "", {"status": "graded"}),
+    ]
 
 
 def test_a_silent_stream_falls_back_to_asking_once_and_goes_on(start):
@@ -444,7 +507,11 @@ def test_a_silent_stream_falls_back_to_asking_once_and_goes_on(start):
         streams(event("graded", "g")),
     )
     began = time.monotonic()
-    assert [(e.name, e.id) for e in follow(server, silence=0.15)] == [("queued", ""), ("running", "r"), ("graded", "g")]
+    assert [(e.name, e.id) for e in follow(server, silence=0.15)] == [
+        ("queued", ""),
+        ("running", "r"),
+        ("graded", "g"),
+    ]
     assert 0.3 <= time.monotonic() - began < 0.9
 
 
@@ -456,7 +523,11 @@ def test_comments_keep_a_stream_alive(start):
 
 def test_a_server_that_restarts_meanwhile_is_waited_for(start):
     server = start(
-        streams(event("queued", "q")), says(503), hangs_up, says(200, {"status": "queued"}), streams(event("graded", "g"))
+        streams(event("queued", "q")),
+        says(503),
+        hangs_up,
+        says(200, {"status": "queued"}),
+        streams(event("graded", "g")),
     )
     assert [e.name for e in follow(server)] == ["queued", "graded"]
 
@@ -476,7 +547,10 @@ def test_a_name_lost_with_the_network_is_waited_for_once_the_server_was_there(mo
             return ()
 
     monkeypatch.setattr("ecp.http._backend", Flaky)
-    assert [e.name for e in events("http://a.example/v1/submissions/7/events", pause=0.01)] == ["queued", "graded"]
+    assert [e.name for e in events("http://a.example/v1/submissions/7/events", pause=0.01)] == [
+        "queued",
+        "graded",
+    ]
 
 
 def test_a_submission_that_is_not_there_ends_the_following(start):
@@ -532,8 +606,14 @@ def test_events_in_any_pieces_are_the_same_events():
 class TestInABrowser:
     def test_a_post_goes_and_comes_whole_without_a_user_agent(self, start):
         server = start(cuts, says(202, b'{"id": "\xc3\xa9"}', Location="/v1/submissions/7"))
-        answer = call("POST", server.url, body=b"\x00\xff", headers=BEARER | {"Idempotency-Key": "k"}, patience=5.0)
-        assert (answer.status, answer.json(), answer.headers["location"]) == (202, {"id": "é"}, "/v1/submissions/7")
+        answer = call(
+            "POST", server.url, body=b"\x00\xff", headers=BEARER | {"Idempotency-Key": "k"}, patience=5.0
+        )
+        assert (answer.status, answer.json(), answer.headers["location"]) == (
+            202,
+            {"id": "é"},
+            "/v1/submissions/7",
+        )
         assert server.seen[0] == server.seen[1]
         assert (server.seen[0].method, server.seen[0].body) == ("POST", b"\x00\xff")
         assert server.seen[0].headers["authorization"] == f"Bearer {TOKEN}"
@@ -544,7 +624,9 @@ class TestInABrowser:
         assert "The deadline has passed (it was at noon)" in str(trouble(server.url))
 
     def test_who_is_not_reached_is_told_with_what_may_be_wrong(self):
-        assert "Your browser did not reach http://127.0.0.1" in str(trouble(f"http://127.0.0.1:{closed_port()}/"))
+        assert "Your browser did not reach http://127.0.0.1" in str(
+            trouble(f"http://127.0.0.1:{closed_port()}/")
+        )
 
     def test_a_silent_server_times_out(self, start):
         server = start(lambda handler: time.sleep(0.3))
@@ -565,7 +647,9 @@ class TestInABrowser:
         assert "too long" in str(trouble(start(says(200, b"x" * 1001)).url))
 
     def test_a_submission_is_followed_by_asking(self, start):
-        server = start(*[says(200, {"status": s}) for s in ("queued", "queued", "running", "running", "graded")])
+        server = start(
+            *[says(200, {"status": s}) for s in ("queued", "queued", "running", "running", "graded")]
+        )
         assert follow(server) == [Event(s, "", {"status": s}) for s in ("queued", "running", "graded")]
         assert {s.path for s in server.seen} == {"/v1/submissions/7"}
 

@@ -1,4 +1,6 @@
-"""The check words on pass, fail, NaN, wrong shape and broadcasting; details byte for byte as the notebook prints them."""
+"""The check words on pass, fail, NaN, wrong shape and broadcasting; details byte for byte as the notebook
+prints them.
+"""
 
 import numpy as np
 import pytest
@@ -13,20 +15,31 @@ NAN, INF = float("nan"), float("inf")
     ("text", "made"),
     [
         (
-            "✓  principal moments match the analytic box result   [max|Δ| = 3.88578e-16 (rtol=1e-10, atol=1e-09)]",
-            ("principal moments match the analytic box result", judge.close([0.0, 3.885780586188048e-16], [0.0, 0.0], 1e-10, 1e-9)),
+            (
+                "✓  principal moments match the analytic box result   [max|Δ| = 3.88578e-16 (rtol=1e-10,"
+                " atol=1e-09)]"
+            ),
+            (
+                "principal moments match the analytic box result",
+                judge.close([0.0, 3.885780586188048e-16], [0.0, 0.0], 1e-10, 1e-9),
+            ),
         ),
         (
             "✓  rotational energy conserved (torque-free)   [max relative drift = 1.95399e-13 (limit 1e-06)]",
-            ("rotational energy conserved (torque-free)", judge.conserved([1.0, 1.0, 1.0000000000001954], 1e-6)),
+            (
+                "rotational energy conserved (torque-free)",
+                judge.conserved([1.0, 1.0, 1.0000000000001954], 1e-6),
+            ),
         ),
         (
             "✓  free precession rate is (I₃−I₁)/I₁·ω₃   [got 1.8 vs expected 1.8 (rtol=0.001, atol=1e-09)]",
             ("free precession rate is (I₃−I₁)/I₁·ω₃", judge.close(1.8, 1.8, 1e-3, 1e-9)),
         ),
         (
-            "✓  spin is stable about the extreme axes, unstable about the intermediate axis   "
-            "[growth: min 0.038, mid 1.136, max 0.029]",
+            (
+                "✓  spin is stable about the extreme axes, unstable about the intermediate axis   "
+                "[growth: min 0.038, mid 1.136, max 0.029]"
+            ),
             (
                 "spin is stable about the extreme axes, unstable about the intermediate axis",
                 judge.holds(True, "growth: min 0.038, mid 1.136, max 0.029"),
@@ -80,7 +93,9 @@ def test_within_holds_everywhere_by_the_scale_of_each_place():
     assert far.verdict is Verdict.FAIL and far.where == (1,) and far.margin == pytest.approx(2 / 3)
     for got in ([1.0, NAN], [NAN, NAN], [1.0], [[1.0, 1.0]]):
         assert judge.within(got, [1.0, 1.0], 1.0, 1e9).verdict is Verdict.FAIL
-    assert judge.within([1e-300], [0.0], 0.0, 1e9).verdict is Verdict.FAIL, "without a scale nothing may be off"
+    assert judge.within([1e-300], [0.0], 0.0, 1e9).verdict is Verdict.FAIL, (
+        "without a scale nothing may be off"
+    )
 
 
 def test_conserved():

@@ -73,10 +73,19 @@ print(json.dumps(told))
 
 
 def checked(kit, rigid_body, *files, drawn=False):
-    """What a fresh kernel without any of our packages makes of (file, numbers of exercises), with figures if ``drawn``."""
+    """What a fresh kernel without any of our packages makes of (file, numbers of exercises), with figures if
+    ``drawn``.
+    """
     listed = [(str(file), numbers) for file, numbers in files]
     code = KERNEL.format(setup=rigid_body.setup, files=listed, drawn=drawn)
-    command = [sys.executable, "-P", "-W", "error", "-c", f"import sys; sys.path.insert(0, {str(kit)!r})\n{code}"]
+    command = [
+        sys.executable,
+        "-P",
+        "-W",
+        "error",
+        "-c",
+        f"import sys; sys.path.insert(0, {str(kit)!r})\n{code}",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=kit)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout.splitlines()[-1])
@@ -87,7 +96,9 @@ def checked(kit, rigid_body, *files, drawn=False):
 def test_local_and_remote_lines_are_identical(kit, rigid_body, sandbox, names):
     files = [rigid_body.folder / "samples" / f"{name}.py" for name in names]
     reports = [grade(Submission(file.read_text()), rigid_body, sandbox, 11).report for file in files]
-    told = checked(kit, rigid_body, *[(f, [e.number for e in r.exercises]) for f, r in zip(files, reports, strict=True)])
+    told = checked(
+        kit, rigid_body, *[(f, [e.number for e in r.exercises]) for f, r in zip(files, reports, strict=True)]
+    )
     for file, report, here in zip(files, reports, told, strict=True):
         assert here["lines"].split("\n") == [o.line for o in report.outcomes() if not o.hidden], file.name
 
@@ -110,7 +121,14 @@ def doubling(monkeypatch):
         inputs, truth = {"x": np.array([1.0, 2.0])}, {"y": np.array([2.0, 4.0])}
         scene = PublicScene("one", "twice", "double", inputs, [], 2.0, None, truth, returns=returns)
         check = close(
-            "1", "double is right", "one", measured=measured, expected=lambda t: t["y"], rtol=0, atol=1e-9, reason="exact"
+            "1",
+            "double is right",
+            "one",
+            measured=measured,
+            expected=lambda t: t["y"],
+            rtol=0,
+            atol=1e-9,
+            reason="exact",
         )
         exercise = Exercise("1", "Doubling", ("double",), (check,))
         known = PublicAssignment("doubling", "1", {}, (exercise,), {"one": scene}, names)
@@ -146,14 +164,19 @@ def test_an_error_of_the_course_is_none_of_the_student(doubling, monkeypatch, pl
     monkeypatch.setitem(globals(), "double", right)
     with pytest.raises(AuthorError) as error:
         check(assignment="doubling")
-    assert str(error.value).startswith(f"The assignment doubling has an error, not your code: {message}"), error.value
+    assert str(error.value).startswith(f"The assignment doubling has an error, not your code: {message}"), (
+        error.value
+    )
 
 
 def test_what_the_student_returned_is_none_of_the_course(doubling, monkeypatch):
     doubling(AUTHORS.replace("FACTOR", "1"))
     monkeypatch.setitem(globals(), "double", lambda x: {})
     (outcome,) = check(assignment="doubling").outcomes()
-    assert outcome.detail == "not measured: the checks could not call double or use what it returned (KeyError: 'y')"
+    assert (
+        outcome.detail
+        == "not measured: the checks could not call double or use what it returned (KeyError: 'y')"
+    )
     monkeypatch.setitem(globals(), "double", right)
     assert check(assignment="doubling").passed
 
@@ -186,13 +209,18 @@ def test_the_text_tells_where_and_how_far_off_and_the_html_shows_figures(shown):
     told = shown["zeros"]
     assert "worst at ω₁, t = 8.093 s" in told["text"] and "worst at" not in told["lines"]
     assert told["html"].count("data:image/png;base64,") == 2 and "<script" not in told["html"]
-    assert told["remark"] == "Checked locally. The server makes 2 more checks, with new random inputs for each submission."
+    assert (
+        told["remark"]
+        == "Checked locally. The server makes 2 more checks, with new random inputs for each submission."
+    )
 
 
 def test_what_stops_the_code_is_told_with_its_own_line(shown):
     told = shown["stopped"]
     assert "[not measured: ZeroDivisionError: division by zero]" in told["lines"]
-    assert told["text"].startswith("One cause explains 3 checks not measured:\n1. raises: ZeroDivisionError: division by zero\n")
+    assert told["text"].startswith(
+        "One cause explains 3 checks not measured:\n1. raises: ZeroDivisionError: division by zero\n"
+    )
     assert told["text"].count("in euler_eqs") == 1 and "plays.py" not in told["text"]
 
 
@@ -204,7 +232,9 @@ def test_a_cause_that_follows_from_the_numbers_is_named_here_too(shown):
 
 def test_only_what_is_defined_is_checked_and_markup_stays_text(shown):
     told = shown["markup"]
-    assert told["lines"].count("\n") == 0 and "<script" not in told["html"] and "&lt;script&gt;" in told["html"]
+    assert (
+        told["lines"].count("\n") == 0 and "<script" not in told["html"] and "&lt;script&gt;" in told["html"]
+    )
 
 
 def test_an_unknown_exercise_is_a_clear_error(shown):
@@ -213,7 +243,9 @@ def test_an_unknown_exercise_is_a_clear_error(shown):
 
 def test_no_module_of_the_kit_hides_a_function_of_it():
     modules = {"animate", "draw", "validate"}
-    assert not [name for name in set(ecp.__all__) - modules if (Path(ecp.__path__[0]) / f"{name}.py").exists()]
+    assert not [
+        name for name in set(ecp.__all__) - modules if (Path(ecp.__path__[0]) / f"{name}.py").exists()
+    ]
 
 
 def test_the_wheel_is_the_same_each_time_installs_and_holds_no_solution(tmp_path):
@@ -240,4 +272,8 @@ def test_the_wheel_is_the_same_each_time_installs_and_holds_no_solution(tmp_path
     )
     assert done.returncode == 0, done.stderr
     text = "".join(p.read_text() for p in (tmp_path / "to").rglob("*.py"))
-    assert "def euler_eqs" not in text and "def principal_moments" not in text and not list((tmp_path / "to").rglob("*sample*"))
+    assert (
+        "def euler_eqs" not in text
+        and "def principal_moments" not in text
+        and not list((tmp_path / "to").rglob("*sample*"))
+    )

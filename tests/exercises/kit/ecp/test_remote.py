@@ -36,7 +36,9 @@ class Recorder(DisplayPublisher):
 
 @pytest.fixture
 def submitted(monkeypatch, tmp_path):
-    """Submit a file in an IPython shell to a server whose further answers are given; return what the shell then displays of it."""
+    """Submit a file in an IPython shell to a server whose further answers are given; return what the shell
+    then displays of it.
+    """
     monkeypatch.setattr(http, "FIRST_PAUSE_S", 0.05)
     monkeypatch.setattr(remote, "PICTURE_S", 0.1)
     for name in ("http_proxy", "no_proxy", "HTTP_PROXY", "NO_PROXY"):
@@ -71,9 +73,17 @@ def picture(content=PNG):
 
 def test_lines_are_displayed_before_the_first_picture_is_requested(submitted):
     (before, lines, markup), *pictures = submitted(picture(), picture(b"<svg/>"), picture())
-    assert (before, lines) == (len(ANSWERS), GRADED.lines()) and "moments match" in markup and 'src="data:image' not in markup
-    assert [seen - before for seen, _, _ in pictures] == [1, 2, 3], "each is displayed before the next is requested"
-    assert [text for _, text, _ in pictures] == [f"Exercise 1. Figure {p.name}: {p.name} over time" for p in PICTURES]
+    assert (
+        (before, lines) == (len(ANSWERS), GRADED.lines())
+        and "moments match" in markup
+        and 'src="data:image' not in markup
+    )
+    assert [seen - before for seen, _, _ in pictures] == [1, 2, 3], (
+        "each is displayed before the next is requested"
+    )
+    assert [text for _, text, _ in pictures] == [
+        f"Exercise 1. Figure {p.name}: {p.name} over time" for p in PICTURES
+    ]
     assert ["data:image/png" in markup for _, _, markup in pictures] == [True, False, True]
     assert submitted.shell.user_ns["report"].drawn("alpha") == PNG
     submitted.shell.run_cell("report")
@@ -94,11 +104,15 @@ def test_the_kernel_of_a_web_page_displays_the_same(submitted, monkeypatch, wait
 def test_a_picture_that_cannot_be_drawn_is_one_line_and_the_others_come(submitted):
     missing = problem(404, "not-found", "the figure cannot be drawn from these numbers: inf")
     _, first, second, third = submitted(missing, picture(), picture())
-    assert first[1] == "Exercise 1. Figure alpha is missing: The figure cannot be drawn from these numbers: inf."
+    assert (
+        first[1] == "Exercise 1. Figure alpha is missing: The figure cannot be drawn from these numbers: inf."
+    )
     assert first[1] in first[2] and "data:image" in second[2] and "data:image" in third[2]
 
 
-@pytest.mark.parametrize("answer", [hangs_up, problem(401, "nobody", "no token"), problem(503, "busy", "again", Retry_After="9")])
+@pytest.mark.parametrize(
+    "answer", [hangs_up, problem(401, "nobody", "no token"), problem(503, "busy", "again", Retry_After="9")]
+)
 def test_a_server_that_sends_no_pictures_is_one_line_for_all_that_are_missing(submitted, answer):
     lines, first, gone = submitted(picture(), answer)
     assert lines[1] == GRADED.lines() and "data:image" in first[2]
@@ -129,7 +143,10 @@ def test_a_front_end_that_asks_for_html_gets_the_pictures_in_it(submitted):
 
 def test_the_progress_ends_with_the_points(submitted, capsys):
     submitted(picture())
-    assert capsys.readouterr().out.splitlines()[-2] == "submitted and graded: 1 of 1 points (public checks: 1 of 1)"
+    assert (
+        capsys.readouterr().out.splitlines()[-2]
+        == "submitted and graded: 1 of 1 points (public checks: 1 of 1)"
+    )
     assert json.loads(submitted.server.seen[0].body) == {"source": "x = 1\n", "filename": "mine.py"}
 
 
@@ -141,5 +158,7 @@ def test_a_repetition_is_not_submitted_and_again_submits_it(submitted, capsys, t
     assert "Not submitted again: your submission of 2026-01-0" in found.remark and found.score == GRADED.score
     assert "not submitted again: 1 of 1 points" in capsys.readouterr().out
     assert "Not submitted again" not in ecp.submit(**given, again=True).remark
-    preferred = [request.headers.get("prefer") for request in submitted.server.seen if request.method == "POST"]
+    preferred = [
+        request.headers.get("prefer") for request in submitted.server.seen if request.method == "POST"
+    ]
     assert preferred == ["no-repeat", None]

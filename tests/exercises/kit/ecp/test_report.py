@@ -29,12 +29,24 @@ def test_a_report_passes_if_every_check_that_counts_does_and_there_is_one(verdic
     ("more", "summary"),
     [
         ({"total": 2}, "1 of 2 points (public checks: 1 of 2)"),
-        ({"total": 9, "not_attempted": ["6"]}, "1 of 9 points (public checks: 1 of 2); not attempted: exercise 6"),
-        ({"total": 36, "not_attempted": ["1", "6"]}, "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"),
-        ({"total": 40, "max_points": 36, "bonus_points": 6}, "1 of 36 + 6 bonus points (public checks: 1 of 2)"),
+        (
+            {"total": 9, "not_attempted": ["6"]},
+            "1 of 9 points (public checks: 1 of 2); not attempted: exercise 6",
+        ),
+        (
+            {"total": 36, "not_attempted": ["1", "6"]},
+            "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6",
+        ),
+        (
+            {"total": 40, "max_points": 36, "bonus_points": 6},
+            "1 of 36 + 6 bonus points (public checks: 1 of 2)",
+        ),
         ({"total": 36, "max_points": 36, "bonus_points": 0}, "1 of 36 points (public checks: 1 of 2)"),
         ({"total": 9, "local": True, "weighted": True}, "1 of 9 points of the public checks"),
-        ({"total": 7, "not_attempted": ["6"], "local": True}, "1 of 7 public checks ✓; not attempted: exercise 6"),
+        (
+            {"total": 7, "not_attempted": ["6"], "local": True},
+            "1 of 7 public checks ✓; not attempted: exercise 6",
+        ),
     ],
 )
 def test_the_summary_states_the_points_out_of_all_there_are(more, summary):
@@ -61,7 +73,9 @@ def test_a_report_stored_before_totals_were_recorded_is_read():
         ("unmeasured", RowsRight(12, 16), 0),
     ],
 )
-def test_a_check_earns_its_points_or_its_partial_credit_but_never_all_points_of_a_failure(verdict, partial, earned):
+def test_a_check_earns_its_points_or_its_partial_credit_but_never_all_points_of_a_failure(
+    verdict, partial, earned
+):
     one = report([outcome("c1", verdict, points=4, partial=partial)])
     assert (one.score, one.max_score, one.outcomes()[0].earned) == (earned, 4, earned)
     assert read(Report, document(one)).outcomes() == one.outcomes()
@@ -82,7 +96,9 @@ def test_renamed_fields_are_written_under_both_names_and_read_under_either():
     written = document(report)
     assert written["endings"] == written["scene_ends"] and written["endings"][0]["ending"] == "timed-out"
     older = {key: value for key, value in written.items() if key != "scene_ends"}
-    older["endings"] = [{key: value for key, value in one.items() if key != "ended"} for one in written["endings"]]
+    older["endings"] = [
+        {key: value for key, value in one.items() if key != "ended"} for one in written["endings"]
+    ]
     assert read(Report, older).scene_ends == read(Report, written).scene_ends == [end]
     assert written["provenance"]["walls"] == written["provenance"]["isolation"] == report.provenance.isolation
     del older["provenance"]["isolation"]

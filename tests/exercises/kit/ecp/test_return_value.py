@@ -4,8 +4,24 @@ import pytest
 
 from ecp.return_value import is_empty
 
-EMPTY = ["pass", "...", "return", "'''TODO'''", "'''TODO'''\n    return None\n    g(x)", "if False: g(x)", "pass; pass; ..."]
-WRITTEN = ["return 1", "x = 1", "g(x)", "return x", "raise ValueError", "'''TODO'''\n    return x.y", "for _ in x: pass"]
+EMPTY = [
+    "pass",
+    "...",
+    "return",
+    "'''TODO'''",
+    "'''TODO'''\n    return None\n    g(x)",
+    "if False: g(x)",
+    "pass; pass; ...",
+]
+WRITTEN = [
+    "return 1",
+    "x = 1",
+    "g(x)",
+    "return x",
+    "raise ValueError",
+    "'''TODO'''\n    return x.y",
+    "for _ in x: pass",
+]
 
 
 def function(body):

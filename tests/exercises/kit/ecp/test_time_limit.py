@@ -1,4 +1,6 @@
-"""A time limit in the kernel: it ends loops, and leaves the notebook's own signals and trace functions as they were."""
+"""A time limit in the kernel: it ends loops, and leaves the notebook's own signals and trace functions as
+they were.
+"""
 
 import signal
 import sys
@@ -112,7 +114,9 @@ def test_a_debuggers_trace_function_stays():
 
 def test_check_gives_a_loop_the_servers_time_and_sentence():
     scene = PublicScene("motion", "play", "f", {}, [], 0.05, None, {})
-    known = PublicAssignment("a", "1", {}, (), {"motion": scene}, {"play": lambda student, inputs: student["f"]()})
+    known = PublicAssignment(
+        "a", "1", {}, (), {"motion": scene}, {"play": lambda student, inputs: student["f"]()}
+    )
     played = local._play([scene], known, {"f": endless})
     scene_end = played.scene_ends["motion"]
     assert (scene_end.ended, scene_end.code, scene_end.sentence) == (
@@ -121,4 +125,6 @@ def test_check_gives_a_loop_the_servers_time_and_sentence():
         "your code did not finish within 0.05 s",
     )
     assert "motion" not in played.arrays and not played.slow
-    np.testing.assert_array_equal(local._play([scene], known, {"f": lambda: {"x": [1.0]}}).arrays["motion"]["x"], [1.0])
+    np.testing.assert_array_equal(
+        local._play([scene], known, {"f": lambda: {"x": [1.0]}}).arrays["motion"]["x"], [1.0]
+    )

@@ -1,4 +1,6 @@
-"""Which artists the recording follows: those that change a pixel, however thin, pale, small or seldom, and no others."""
+"""Which artists the recording follows: those that change a pixel, however thin, pale, small or seldom, and no
+others.
+"""
 
 import numpy as np
 import pytest
@@ -20,7 +22,9 @@ def _film(update, three=False):
     limits = {"xlim": (-1.2, 1.2), "ylim": (-1.2, 1.2)} | ({"zlim": (-1.2, 1.2)} if three else {})
     axes = figure.add_subplot(projection="3d" if three else None, **limits)
     change = update(figure, axes)
-    return animation_recording.watch(FuncAnimation(figure, change, frames=FRAMES, cache_frame_data=False), seconds=60.0)
+    return animation_recording.watch(
+        FuncAnimation(figure, change, frames=FRAMES, cache_frame_data=False), seconds=60.0
+    )
 
 
 def _line(three=False, before=lambda figure, axes: None, **style):
@@ -68,7 +72,17 @@ def _axes_in_front(figure, axes):
         (_sheet, {}),
         (_axes_in_front, {}),
     ],
-    ids=["no style", "no colour", "no width", "white", "transparent", "nearly transparent", "elsewhere", "covered", "behind axes"],
+    ids=[
+        "no style",
+        "no colour",
+        "no width",
+        "white",
+        "transparent",
+        "nearly transparent",
+        "elsewhere",
+        "covered",
+        "behind axes",
+    ],
 )
 def test_what_changes_no_pixel_does_not_count(before, style):
     seen = _line(before=before or (lambda figure, axes: None), **style)

@@ -1,4 +1,6 @@
-"""A sum of terms is found with its weights, from points of ordinary size, and only if every point confirms it."""
+"""A sum of terms is found with its weights, from points of ordinary size, and only if every point confirms
+it.
+"""
 
 import numpy as np
 import pytest

@@ -16,9 +16,18 @@ BOXES = {
     "np.sort(I)": ("moment-order", "sorted"),
     "np.sqrt(I)": ("wrong-power", "square roots"),
     "I // 1": ("floor-division", "whole numbers"),
-    "np.array([m / 12 * b * b + c * c, m / 12 * c * c + a * a, m / 12 * a * a + b * b])": ("missing-brackets", "m/12·b² + c²"),
-    "np.array([m / 12 * b * b + c * c, m / 12 * a * a + c * c, m / 12 * a * a + b * b])": ("missing-brackets", "m/12·b² + c²"),
-    "np.array([I[0], m / 12 * (3 * a * a + c * c), I[2]])": ("constant-factor", "I₂ has the factors 3 for a² and 1 for c²"),
+    "np.array([m / 12 * b * b + c * c, m / 12 * c * c + a * a, m / 12 * a * a + b * b])": (
+        "missing-brackets",
+        "m/12·b² + c²",
+    ),
+    "np.array([m / 12 * b * b + c * c, m / 12 * a * a + c * c, m / 12 * a * a + b * b])": (
+        "missing-brackets",
+        "m/12·b² + c²",
+    ),
+    "np.array([I[0], m / 12 * (3 * a * a + c * c), I[2]])": (
+        "constant-factor",
+        "I₂ has the factors 3 for a² and 1 for c²",
+    ),
     "np.array([b * 2 + c * 2, a * 2 + c * 2, a * 2 + b * 2]) * m / 12": ("wrong-power", "b**2"),
     "np.array([0.1, 0.2, 0.25])": ("hard-coded-moments", "same numbers for every box:"),
     "np.array([0.1, 0.2, 0.25]) * m": ("hard-coded-moments", "for every box, times the mass:"),
@@ -69,14 +78,18 @@ def box(answer, row):
 
 
 def causes(given, moments):
-    return diagnose_function("principal_moments", {"tensors": (given, {"moments": np.array(moments, dtype=float)})})
+    return diagnose_function(
+        "principal_moments", {"tensors": (given, {"moments": np.array(moments, dtype=float)})}
+    )
 
 
 @pytest.mark.parametrize("answer", BOXES)
 def test_boxes(answer, rigid_body):
     code, said = BOXES[answer]
     given = draw_inputs(rigid_body.scene("boxes"), 4)
-    found = diagnose_scene("boxes", given, {"moments": np.array([box(answer, row) for row in given["boxes"]])})
+    found = diagnose_scene(
+        "boxes", given, {"moments": np.array([box(answer, row) for row in given["boxes"]])}
+    )
     assert {cause.code for cause in found} == {code} and any(said in cause.sentence for cause in found)
 
 
@@ -86,7 +99,9 @@ def test_tensors(answer, scene, rigid_body):
     code, said = TENSORS[answer]
     given = draw_inputs(rigid_body.scene(scene), 4)
     tensors = [np.asarray(T) for T in given["tensors"]]
-    answers = [eval(answer, {"np": np, "qr_steps": qr_steps, "T": T, "e": np.linalg.eigvalsh(T)}) for T in tensors]
+    answers = [
+        eval(answer, {"np": np, "qr_steps": qr_steps, "T": T, "e": np.linalg.eigvalsh(T)}) for T in tensors
+    ]
     found = causes(given, np.array(answers))
     assert [cause.code for cause in found] == [code] and said in found[0].sentence
 

@@ -55,7 +55,9 @@ def test_components_that_are_right_are_named_where_nothing_else_is_known(probes)
     _, w, _, exact = probes
     answer = exact.copy()
     answer[:, 0] = np.sin(w[:, 0])
-    assert sentences(probes, answer) == [("partly-right", "ω̇₂ and ω̇₃ are right at every point; look at ω̇₁ only")]
+    assert sentences(probes, answer) == [
+        ("partly-right", "ω̇₂ and ω̇₃ are right at every point; look at ω̇₁ only")
+    ]
 
 
 def test_nearly_right(probes):

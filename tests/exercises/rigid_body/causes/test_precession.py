@@ -43,7 +43,11 @@ MISTAKES = {
     "over t[-1]": (lambda t, w: total(w) / t[-1], "wrong-times", "t[-1] − t[0]"),
     "phase over t": (lambda t, w: phase(w)[-1] / t[-1], "wrong-times", "t[-1] − t[0]"),
     "last phase": (lambda t, w: phase(w)[-1] / (t[-1] - t[0]), "wrong-times", "first phase"),
-    "reshaped": (lambda t, w: np.polyfit(t, phase(w.reshape(-1, 3).T), 1)[0], "wrong-components", "does not transpose"),
+    "reshaped": (
+        lambda t, w: np.polyfit(t, phase(w.reshape(-1, 3).T), 1)[0],
+        "wrong-components",
+        "does not transpose",
+    ),
     "last step": (lambda t, w: (phase(w)[-1] - phase(w)[-2]) / (t[-1] - t[-2]), "wrong-times", "last step"),
     "ω₃ and ω₁": (lambda t, w: np.polyfit(t, phase(w, 2, 0), 1)[0], "wrong-components", "ω₃ and ω₁"),
     "ω₂ and ω₃": (lambda t, w: np.polyfit(t, phase(w, 1, 2), 1)[0], "wrong-components", "ω₂ and ω₃"),
@@ -61,17 +65,45 @@ EVEN = {
 }
 MISTAKES |= {name: (rate, "wrong-times", "evenly spaced") for name, rate in EVEN.items()}
 MISTAKES |= {
-    "one component": (lambda t, w: slope_of(t, np.unwrap(np.arccos(w[0] / np.hypot(w[0], w[1])))), "wrong-components", "one comp"),
-    "degrees unwrapped": (lambda t, w: np.radians(slope_of(t, np.unwrap(np.degrees(raw(w))))), "not-unwrapped", "period=360"),
+    "one component": (
+        lambda t, w: slope_of(t, np.unwrap(np.arccos(w[0] / np.hypot(w[0], w[1])))),
+        "wrong-components",
+        "one comp",
+    ),
+    "degrees unwrapped": (
+        lambda t, w: np.radians(slope_of(t, np.unwrap(np.degrees(raw(w))))),
+        "not-unwrapped",
+        "period=360",
+    ),
     "spectrum": (lambda t, w: spectral_line(t, w), "wrong-quantity", "Fourier"),
     "absolute value": (lambda t, w: abs(slope(t, w)), "absolute-value", "sign is lost"),
-    "n mean steps": (lambda t, w: total(w) / (len(t) * np.diff(t).mean()), "wrong-times", "number of its terms"),
-    "n of n - 2": (lambda t, w: np.gradient(phase(w), t)[1:-1].sum() / len(t), "wrong-times", "number of its terms"),
+    "n mean steps": (
+        lambda t, w: total(w) / (len(t) * np.diff(t).mean()),
+        "wrong-times",
+        "number of its terms",
+    ),
+    "n of n - 2": (
+        lambda t, w: np.gradient(phase(w), t)[1:-1].sum() / len(t),
+        "wrong-times",
+        "number of its terms",
+    ),
     "0.6 ω₃": (lambda t, w: 0.6 * w[2].mean(), "hard-coded-moments", "0.6 ω₃: the rate of one body"),
     "1.37 times": (lambda t, w: 1.37 * slope(t, w), "constant-factor", "1.37 times"),
-    "modulo": (lambda t, w: (np.diff(np.arctan2(w[1], w[0])) % (2 * np.pi)).sum() / np.ptp(t), "not-unwrapped", "modulo 2π"),
-    "median of raw jumps": (lambda t, w: np.median(np.diff(np.arctan2(w[1], w[0])) / np.diff(t)), "not-unwrapped", "np.unwrap"),
-    "arctan unwrapped": (lambda t, w: slope_of(t, np.unwrap(np.arctan(w[1] / w[0]), period=np.pi)), "not-unwrapped", "quadrants"),
+    "modulo": (
+        lambda t, w: (np.diff(np.arctan2(w[1], w[0])) % (2 * np.pi)).sum() / np.ptp(t),
+        "not-unwrapped",
+        "modulo 2π",
+    ),
+    "median of raw jumps": (
+        lambda t, w: np.median(np.diff(np.arctan2(w[1], w[0])) / np.diff(t)),
+        "not-unwrapped",
+        "np.unwrap",
+    ),
+    "arctan unwrapped": (
+        lambda t, w: slope_of(t, np.unwrap(np.arctan(w[1] / w[0]), period=np.pi)),
+        "not-unwrapped",
+        "quadrants",
+    ),
     "arcsin": (lambda t, w: np.arcsin(cross(w)).sum() / np.ptp(t), "not-unwrapped", "quarter of a turn"),
     "derivatives": (lambda t, w: np.mean(derivatives(t, w)), "partly-right", "needs fine samples"),
     "zero": (lambda t, w: 0.0, "returns-zero", "zero"),
@@ -93,7 +125,9 @@ def derivatives(t, w):
 
 def causes(rate, rigid_body, scenes=tuple(TURNING), seed=6):
     given = {scene: draw_inputs(rigid_body.scene(scene), seed) for scene in scenes}
-    answers = {scene: (inputs, {"rate": np.array(rate(inputs["t"], inputs["w"]))}) for scene, inputs in given.items()}
+    answers = {
+        scene: (inputs, {"rate": np.array(rate(inputs["t"], inputs["w"]))}) for scene, inputs in given.items()
+    }
     return diagnose_function("precession_rate", answers)
 
 
@@ -107,7 +141,18 @@ def test_a_mistake_is_named_that_explains_all_motions(name, seed, rigid_body):
 
 @pytest.mark.parametrize("scene", ["rate", "rate-retrograde"])
 def test_a_mistake_is_named_where_one_motion_alone_was_measured(scene, rigid_body):
-    for name in ("degrees", "rpm", "turns", "half", "per sample", "ω₃ and ω₁", "not unwrapped", "arctan", "period", "angle"):
+    for name in (
+        "degrees",
+        "rpm",
+        "turns",
+        "half",
+        "per sample",
+        "ω₃ and ω₁",
+        "not unwrapped",
+        "arctan",
+        "period",
+        "angle",
+    ):
         rate, code, said = MISTAKES[name]
         found = causes(rate, rigid_body, [scene])
         assert found and {cause.code for cause in found} == {code}, (name, found)

@@ -1,4 +1,6 @@
-"""Calls between two processes: what crosses, what is raised, and what a process with reference functions does with other bytes."""
+"""Calls between two processes: what crosses, what is raised, and what a process with reference functions does
+with other bytes.
+"""
 
 import json
 import math
@@ -58,12 +60,16 @@ def composed(f, g):
     return lambda x: f(g(x))
 
 
-FUNCTIONS = {f.__name__: f for f in (same, named, apply, apply_caught, fails, ends, adder, composed, walk, solved)}
+FUNCTIONS = {
+    f.__name__: f for f in (same, named, apply, apply_caught, fails, ends, adder, composed, walk, solved)
+}
 
 
 @contextmanager
 def other_process():
-    """A process that holds FUNCTIONS: this end of its socket, and a function that closes it and returns the exit code."""
+    """A process that holds FUNCTIONS: this end of its socket, and a function that closes it and returns the
+    exit code.
+    """
     here, there = socket.socketpair()
     child = os.fork()
     if child == 0:
@@ -92,9 +98,12 @@ def channel():
 
 
 VALUES = [
-    None, True, 3, -(10**30), 0.1, -0.0, math.inf, "α\ud800", 1 + 2j, [], (), {}, [1, (2.0, [None])], {"a": 1, 2: {(1, 2): [3]}},
-    np.float64(0.1), np.float32(0.1), np.int8(-3), np.bool_(True), np.complex128(1j), np.array(2.5), np.zeros((0, 3)),
-    np.arange(6, dtype="i2").reshape(2, 3), np.arange(4.0)[::-2], np.array([[1 + 1j, 2]]), np.array([1.0], ">f8"),
+    None, True, 3, -(10**30), 0.1, -0.0, math.inf, "α\ud800", 1 + 2j, [], (), {}, [1, (2.0, [None])], {"a": 1,
+        2: {(1, 2): [3]}},
+    np.float64(0.1), np.float32(0.1), np.int8(-3), np.bool_(True), np.complex128(1j), np.array(2.5),
+        np.zeros((0, 3)),
+    np.arange(6, dtype="i2").reshape(2, 3), np.arange(4.0)[::-2], np.array([[1 + 1j, 2]]), np.array([1.0],
+        ">f8"),
 ]  # fmt: skip
 
 

@@ -56,7 +56,10 @@ def test_a_claim_is_sent_with_its_numbers_as_they_were(capsys):
 @pytest.mark.parametrize(
     ("series", "reason"),
     [
-        (np.zeros(MOST_NUMBERS + 1), f"{MOST_NUMBERS + 1} numbers; one check may have at most {MOST_NUMBERS}"),
+        (
+            np.zeros(MOST_NUMBERS + 1),
+            f"{MOST_NUMBERS + 1} numbers; one check may have at most {MOST_NUMBERS}",
+        ),
         (np.zeros((1,) * (MOST_AXES + 1)), f"an array has more than {MOST_AXES} axes"),
     ],
 )

@@ -31,10 +31,15 @@ def printed(sandbox, source):
 
 def test_every_resource_is_limited(either_sandbox):
     numbers = {name: getattr(resource, name) for name in LIMITS}
-    source = f"import json, resource\nprint(json.dumps({{k: resource.getrlimit(n) for k, n in {numbers!r}.items()}}))"
+    source = (
+        "import json, resource\nprint(json.dumps({k: resource.getrlimit(n) for k, n in"
+        f" {numbers!r}.items()}}))"
+    )
     found = printed(either_sandbox, source)
     assert {name: soft for name, (soft, _) in found.items()} == LIMITS
-    assert all(hard == soft + (name == "RLIMIT_CPU") for name, (soft, hard) in found.items()), "a child cannot raise them again"
+    assert all(hard == soft + (name == "RLIMIT_CPU") for name, (soft, hard) in found.items()), (
+        "a child cannot raise them again"
+    )
 
 
 def test_no_file_is_open_but_those_of_the_play(either_sandbox):
@@ -48,13 +53,17 @@ def is_open(number):
     return True
 print(json.dumps([number for number in range(4096) if is_open(number)]))
 """
-    folders = json.loads(either_sandbox.isolation.command[-1])["folders"]  # root opens those below folders closed to the guest
+    folders = json.loads(either_sandbox.isolation.command[-1])[
+        "folders"
+    ]  # root opens those below folders closed to the guest
     others = [number for number in printed(either_sandbox, source) if number > 4]
     assert printed(either_sandbox, source)[:5] == [0, 1, 2, 3, 4] and len(others) == len(folders)
 
 
 def test_a_child_may_ask_about_itself(either_sandbox):
-    """What Python, NumPy and a submission that times itself call works, with process id 0 and with the child's own."""
+    """What Python, NumPy and a submission that times itself call works, with process id 0 and with the
+    child's own.
+    """
     source = """
 import json, os, resource, threading, time
 import numpy as np
@@ -91,7 +100,8 @@ print(json.dumps([len(clocks), {name: failed for name, action in actions.items()
 def test_stepping_down_keeps_no_capability():
     """Also where there is no other user to become."""
     source = (
-        "from service.sandbox.guest.lockdown import drop_privileges\ndrop_privileges(None)\nprint(open('/proc/self/status').read())"
+        "from service.sandbox.guest.lockdown import"
+        " drop_privileges\ndrop_privileges(None)\nprint(open('/proc/self/status').read())"
     )
     told = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True).stdout
     held = dict(line.split(":\t") for line in told.splitlines() if line.startswith("Cap"))

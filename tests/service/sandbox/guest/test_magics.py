@@ -20,7 +20,10 @@ def run(source):
         ("if True:\n    %time\n    x = 1", {"x": 1}),
         ("text = '''\n%not a magic\n'''", {"text": "\n%not a magic\n"}),
         ("x = 7 \\\n% 4", {"x": 3}),
-        ("%time x = 1\nfiles = !ls\nx?\n!pip install \\\n   numpy\ny = (7\n  % 4)", {"x": 1, "files": None, "y": 3}),
+        (
+            "%time x = 1\nfiles = !ls\nx?\n!pip install \\\n   numpy\ny = (7\n  % 4)",
+            {"x": 1, "files": None, "y": 3},
+        ),
         ("    x = 1\n    %pwd", {"x": 1}),
     ],
 )
@@ -36,18 +39,30 @@ def test_a_real_syntax_error_keeps_its_line():
 
 def test_a_percent_file_is_its_cells_and_lines_keep_their_numbers():
     found = pieces("x = 1\n# %% [markdown]\n# words\n# %%\ny = 2\n# %%\nz = (\n")
-    assert found == ["x = 1\n", "\n# %% [markdown]\n# words\n", "\n\n\n# %%\ny = 2\n", "\n\n\n\n\n# %%\nz = (\n"]
+    assert found == [
+        "x = 1\n",
+        "\n# %% [markdown]\n# words\n",
+        "\n\n\n# %%\ny = 2\n",
+        "\n\n\n\n\n# %%\nz = (\n",
+    ]
     with pytest.raises(SyntaxError) as caught:
         runnable(found[-1], "cell 1")
     assert caught.value.lineno == 7
 
 
-@pytest.mark.parametrize("source", ["x = 1", "text = '''\n# %%\nno cell'''\ny = 1", "x = 1\n# %%\n" * MOST_PIECES])
+@pytest.mark.parametrize(
+    "source", ["x = 1", "text = '''\n# %%\nno cell'''\ny = 1", "x = 1\n# %%\n" * MOST_PIECES]
+)
 def test_other_files_stay_whole(source):
     assert pieces(source) == [source]
 
 
-IMPORT, HELPER, F, PLOT = "import numpy as np", "def g(x):\n    return np.sin(x)", "def f(x):\n    return a * g(x)", "y = f(1.0)"
+IMPORT, HELPER, F, PLOT = (
+    "import numpy as np",
+    "def g(x):\n    return np.sin(x)",
+    "def f(x):\n    return a * g(x)",
+    "y = f(1.0)",
+)
 
 
 @pytest.mark.parametrize(

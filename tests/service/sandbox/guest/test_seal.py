@@ -1,4 +1,6 @@
-"""A submission that replaces a part of what calls it and records its animation gets no result for the animation."""
+"""A submission that replaces a part of what calls it and records its animation gets no result for the
+animation.
+"""
 
 import pytest
 
@@ -35,9 +37,15 @@ def animate_precession(t, R, L):
 """
 INSIDE = {
     "the recorder": ("plays()['record'] = forged", "record"),
-    "the check itself": ("recorder()['watch'] = recorder()['unchanged'] = lambda *args: None", "unchanged|watch"),
+    "the check itself": (
+        "recorder()['watch'] = recorder()['unchanged'] = lambda *args: None",
+        "unchanged|watch",
+    ),
     "a helper that restores itself": (
-        "own = recorder(); real = own['_tracks']\n    own['_tracks'] = lambda paths: own.update(_tracks=real) or real(paths)",
+        (
+            "own = recorder(); real = own['_tracks']\n    own['_tracks'] = lambda paths:"
+            " own.update(_tracks=real) or real(paths)"
+        ),
         "_tracks",
     ),
     "code": ("recorder()['watch'].__code__ = forged.__code__", "watch"),
@@ -48,12 +56,17 @@ INSIDE = {
 }
 BEFORE = {
     "through gc": (
-        "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in gc.get_objects()"
-        " if isinstance(d, dict) and d.get('__name__') == 'plays' and 'record' in d]",
+        (
+            "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in"
+            " gc.get_objects() if isinstance(d, dict) and d.get('__name__') == 'plays' and 'record' in d]"
+        ),
         "watch",
     ),
     "the table of calls": (
-        "[d.update(animation=forged) for d in gc.get_objects() if isinstance(d, dict) and d.get('__name__') == 'plays']",
+        (
+            "[d.update(animation=forged) for d in gc.get_objects() if isinstance(d, dict) and"
+            " d.get('__name__') == 'plays']"
+        ),
         "animation",
     ),
 }
@@ -69,24 +82,32 @@ def film(source, rigid_body, sandbox):
 def test_what_a_function_replaces_while_it_is_called(replace, name, rigid_body, sandbox):
     end, recorded = film(FUNCTION.replace("REPLACE", replace), rigid_body, sandbox)
     assert end.ended is Ended.WRONG_ANSWER and not recorded, end
-    assert any(f"your code replaces {one}, a part of polhode's checks" in end.sentence for one in name.split("|")), end
+    assert any(
+        f"your code replaces {one}, a part of polhode's checks" in end.sentence for one in name.split("|")
+    ), end
 
 
 @pytest.mark.parametrize(("replace", "name"), BEFORE.values(), ids=BEFORE)
 def test_what_a_cell_replaces(replace, name, rigid_body, sandbox):
     end, recorded = film(FUNCTION.replace("REPLACE", "pass") + replace, rigid_body, sandbox)
-    assert end.ended is Ended.WRONG_ANSWER and not recorded and f"your code replaces {name}," in end.sentence, end
+    assert (
+        end.ended is Ended.WRONG_ANSWER and not recorded and f"your code replaces {name}," in end.sentence
+    ), end
 
 
 def test_functions_of_the_copies_are_not_among_the_objects_of_gc(rigid_body, sandbox):
     end, recorded = film(
-        FUNCTION.replace("REPLACE", "pass") + "replaced_in_private_memory('watch', __code__=forged.__code__)", rigid_body, sandbox
+        FUNCTION.replace("REPLACE", "pass") + "replaced_in_private_memory('watch', __code__=forged.__code__)",
+        rigid_body,
+        sandbox,
     )
     assert end.ended is Ended.FINISHED and recorded
 
 
 def test_what_is_public_may_be_replaced(rigid_body, sandbox):
     """As by recipes for matplotlib; the recorder's copies stay as they are."""
-    public = "plt.Axes.arrow3D = forged; np.stack = forged; import builtins; builtins.show = forged; np.new = 1"
+    public = (
+        "plt.Axes.arrow3D = forged; np.stack = forged; import builtins; builtins.show = forged; np.new = 1"
+    )
     end, recorded = film(FUNCTION.replace("REPLACE", public), rigid_body, sandbox)
     assert end.ended is Ended.FINISHED and recorded, end

@@ -1,4 +1,6 @@
-"""The filter of system calls, run by an interpreter of its instructions: what it answers for every call of both processors."""
+"""The filter of system calls, run by an interpreter of its instructions: what it answers for every call of
+both processors.
+"""
 
 import errno
 import os
@@ -15,7 +17,13 @@ HEADERS = {
     "x86_64": (Path("/usr/include/x86_64-linux-gnu/asm/unistd_64.h"), {}),
     "aarch64": (
         Path("/usr/include/asm-generic/unistd.h"),
-        {"newfstatat": "3264_fstatat", "fcntl": "3264_fcntl", "mmap": "3264_mmap", "lseek": "3264_lseek", "fstat": "3264_fstat"}
+        {
+            "newfstatat": "3264_fstatat",
+            "fcntl": "3264_fcntl",
+            "mmap": "3264_mmap",
+            "lseek": "3264_lseek",
+            "fstat": "3264_fstat",
+        }
         | {"statfs": "3264_statfs", "fstatfs": "3264_fstatfs", "fadvise64": "3264_fadvise64"},
     ),
 }
@@ -40,7 +48,11 @@ def answer(name, call, *arguments, audit=None):
         if op == seccomp.LOAD:
             (value,) = struct.unpack_from("<I", data, k)
         else:
-            tests = {seccomp.EQUAL: value == k, seccomp.AT_LEAST: value >= k, seccomp.ANY_BIT: bool(value & k)}
+            tests = {
+                seccomp.EQUAL: value == k,
+                seccomp.AT_LEAST: value >= k,
+                seccomp.ANY_BIT: bool(value & k),
+            }
             at += if_true if tests[op] else if_false
     raise AssertionError("the filter does not end")
 
@@ -72,24 +84,39 @@ def test_every_call_but_the_listed_is_refused(name):
 @machines
 def test_calls_for_some_arguments_only(name):
     assert answer(name, "kill", ME, 9) == answer(name, "tgkill", ME, ME, 6) == seccomp.ALLOW
-    assert answer(name, "kill", 1, 9) == answer(name, "kill", -1, 9) == answer(name, "tgkill", 1, ME, 9) == EPERM
+    assert (
+        answer(name, "kill", 1, 9) == answer(name, "kill", -1, 9) == answer(name, "tgkill", 1, ME, 9) == EPERM
+    )
     assert answer(name, "clone3") == ENOSYS and answer(name, "clone", 0x11) == seccomp.FAIL | errno.EAGAIN
     assert answer(name, "prlimit64", 0, 7, 4096) == answer(name, "prlimit64", 0, 7, 1 << 32) == EPERM
     assert answer(name, "prlimit64", ME, 7, 4096) == answer(name, "prlimit64", 1, 7, 4096) == EPERM
     assert answer(name, "prctl", 16) == answer(name, "prctl", 0x53564D41, 0) == seccomp.ALLOW
-    assert {answer(name, "prctl", option) for option in (1, 4, 15, 22, 23, 35, 36)} == {EPERM}  # 15: PR_SET_NAME
-    assert answer(name, "ioctl", 0, 0x5401) == seccomp.ALLOW and answer(name, "ioctl", 0, 0x5412) == seccomp.FAIL | errno.ENOTTY
+    assert {answer(name, "prctl", option) for option in (1, 4, 15, 22, 23, 35, 36)} == {
+        EPERM
+    }  # 15: PR_SET_NAME
     assert (
-        answer(name, "fcntl", 4, 1030) == seccomp.ALLOW and answer(name, "fcntl", 4, 8) == answer(name, "fcntl", 4, 1031) == EPERM
+        answer(name, "ioctl", 0, 0x5401) == seccomp.ALLOW
+        and answer(name, "ioctl", 0, 0x5412) == seccomp.FAIL | errno.ENOTTY
+    )
+    assert (
+        answer(name, "fcntl", 4, 1030) == seccomp.ALLOW
+        and answer(name, "fcntl", 4, 8) == answer(name, "fcntl", 4, 1031) == EPERM
     )
     assert answer(name, "setitimer", 0) == seccomp.ALLOW and answer(name, "setitimer", 1) == EPERM
     assert answer(name, "seccomp", 1) == EPERM
     refused = seccomp.FAIL | errno.EACCES
-    for flags in (os.O_RDONLY, os.O_RDONLY | os.O_CLOEXEC | os.O_DIRECTORY, os.O_WRONLY | os.O_TRUNC):  # writing is Landlock's
+    for flags in (
+        os.O_RDONLY,
+        os.O_RDONLY | os.O_CLOEXEC | os.O_DIRECTORY,
+        os.O_WRONLY | os.O_TRUNC,
+    ):  # writing is Landlock's
         assert answer(name, "openat", -100, 0, flags) == seccomp.ALLOW
     assert answer(name, "openat", -100, 0, os.O_RDONLY | os.O_TRUNC) == refused
     if name == "x86_64":
-        assert answer(name, "open", 0, os.O_RDONLY | os.O_TRUNC) == refused and answer(name, "open", 0, 0) == seccomp.ALLOW
+        assert (
+            answer(name, "open", 0, os.O_RDONLY | os.O_TRUNC) == refused
+            and answer(name, "open", 0, 0) == seccomp.ALLOW
+        )
 
 
 @machines
@@ -103,7 +130,15 @@ def test_only_the_own_process_is_asked_about(name, call):
 @pytest.mark.parametrize("call", ["clock_gettime", "clock_getres", "clock_nanosleep"])
 def test_no_clock_of_another_process_is_read(name, call):
     assert {answer(name, call, clock) for clock in range(12)} == {seccomp.ALLOW}
-    kinds = (0, 1, 2, 3, 4, 5, 6)  # profiling, virtual and CPU time of a process, a clock device (3), and those of a thread
+    kinds = (
+        0,
+        1,
+        2,
+        3,
+        4,
+        5,
+        6,
+    )  # profiling, virtual and CPU time of a process, a clock device (3), and those of a thread
     others = [~number << 3 | kind for number in (1, 4, ME - 1, 65535) for kind in kinds]
     assert {answer(name, call, clock) for clock in (*others, 12, 1 << 31)} == {EPERM}
 

@@ -1,4 +1,6 @@
-"""A guest that imports SciPy and matplotlib only when they are used: every submission ends as in a guest that has imported them."""
+"""A guest that imports SciPy and matplotlib only when they are used: every submission ends as in a guest that
+has imported them.
+"""
 
 from dataclasses import replace
 
@@ -18,7 +20,16 @@ from ecp.style import use_style
 plt.rcParams["animation.html"] = "jshtml"
 use_style()
 """
-QUICK = {"call", "class", "version", "unknown setting", "unknown name", "exit code", "integration", "rotation"}  # one of each way
+QUICK = {
+    "call",
+    "class",
+    "version",
+    "unknown setting",
+    "unknown name",
+    "exit code",
+    "integration",
+    "rotation",
+}  # one of each way
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"
 INTEGRATES = """
 from ecp.integration import integrate
@@ -45,13 +56,20 @@ from scipy.spatial.transform import Rotation
 """
 UNUSED = {
     "imported": "f = lambda: 1.0",
-    "named": "def f(anim: FuncAnimation = None, axes=Axes3D, p=pyplot, a=animation.PillowWriter):\n    return 1.0",
+    "named": (
+        "def f(anim: FuncAnimation = None, axes=Axes3D, p=pyplot, a=animation.PillowWriter):\n    return 1.0"
+    ),
     "same module": "f = lambda: float(matplotlib.pyplot is plt and plt.figure is not None)",
-    "named functions of SciPy": "def f(solve=solve_ivp, R=Rotation, root=optimize.brentq, r=scipy.integrate):\n    return 1.0",
+    "named functions of SciPy": (
+        "def f(solve=solve_ivp, R=Rotation, root=optimize.brentq, r=scipy.integrate):\n    return 1.0"
+    ),
     "replaced": "scipy.integrate.solve_ivp = lambda *a: 2.0\nf = lambda: scipy.integrate.solve_ivp()",
-    "numpy alone": "import numpy as np\nf = lambda: float(np.linalg.norm([3.0, 4.0]) + np.fft.fft([1.0])[0].real)",
+    "numpy alone": (
+        "import numpy as np\nf = lambda: float(np.linalg.norm([3.0, 4.0]) + np.fft.fft([1.0])[0].real)"
+    ),
     "uses in functions that are not called": (
-        "def film():\n    return FuncAnimation(plt.figure(), print), solve_ivp(print, (0, 1), [1])\nf = lambda: 1.0"
+        "def film():\n    return FuncAnimation(plt.figure(), print), solve_ivp(print, (0, 1), [1])\nf ="
+        " lambda: 1.0"
     ),
 }
 USED = {
@@ -125,12 +143,18 @@ def without_times(result):
 @pytest.mark.parametrize("source", UNUSED.values(), ids=UNUSED)
 def test_a_submission_that_only_imports_libraries_runs_without_them(unused, sandbox, source):
     result = unused.play(job(source))
-    assert result.scene_ends["one"].ended is Ended.FINISHED and without_times(result) == without_times(sandbox.play(job(source)))
+    assert result.scene_ends["one"].ended is Ended.FINISHED and without_times(result) == without_times(
+        sandbox.play(job(source))
+    )
     assert not unused.start().imported
 
 
 @pytest.mark.parametrize(
-    "source", [pytest.param(source, id=id, marks=[] if id in QUICK else pytest.mark.slow) for id, source in USED.items()]
+    "source",
+    [
+        pytest.param(source, id=id, marks=[] if id in QUICK else pytest.mark.slow)
+        for id, source in USED.items()
+    ],
 )
 def test_a_submission_that_uses_matplotlib_gets_it(later, sandbox, source):
     result = later.play(job(source))
@@ -139,22 +163,33 @@ def test_a_submission_that_uses_matplotlib_gets_it(later, sandbox, source):
 
 
 @pytest.mark.parametrize(
-    "source", [pytest.param(source, id=id, marks=[] if id in QUICK else pytest.mark.slow) for id, source in USES_SCIPY.items()]
+    "source",
+    [
+        pytest.param(source, id=id, marks=[] if id in QUICK else pytest.mark.slow)
+        for id, source in USES_SCIPY.items()
+    ],
 )
 def test_a_submission_that_uses_scipy_gets_it(later, sandbox, source):
     result = later.play(job(source))
-    assert later.start().imported == {"scipy"} and without_times(result) == without_times(sandbox.play(job(source)))
+    assert later.start().imported == {"scipy"} and without_times(result) == without_times(
+        sandbox.play(job(source))
+    )
 
 
 def test_a_submission_that_uses_both_gets_both(later, sandbox):
     source = f"{USED['call']}\nf = lambda: special.ellipk(0.5)"
     result = later.play(job(source))
-    assert later.start().imported == {"scipy", "matplotlib"} and without_times(result) == without_times(sandbox.play(job(source)))
+    assert later.start().imported == {"scipy", "matplotlib"} and without_times(result) == without_times(
+        sandbox.play(job(source))
+    )
 
 
 def test_plays_integrate_without_importing_scipy(unused, sandbox):
     asked = replace(job("f = 1"), plays=INTEGRATES, variables=("f",))
-    assert without_times(unused.play(asked)) == without_times(sandbox.play(asked)) and not unused.start().imported
+    assert (
+        without_times(unused.play(asked)) == without_times(sandbox.play(asked))
+        and not unused.start().imported
+    )
 
 
 def test_what_is_printed_before_the_second_play_is_not_repeated(later):

@@ -14,7 +14,12 @@ def test_comments_are_listed_by_line(database_url):
     places = ((2, 1, "d"), (1, 3, "b"), (1, 1, "a"), (1, 3, "c"))
     made = [written(database_url, sent, *place) for place in places]
     found = run(database_url, lambda d: of_submission(d, sent))
-    assert [(one.cell, one.line, one.comment) for one in found] == [(1, 1, "a"), (1, 3, "b"), (1, 3, "c"), (2, 1, "d")]
+    assert [(one.cell, one.line, one.comment) for one in found] == [
+        (1, 1, "a"),
+        (1, 3, "b"),
+        (1, 3, "c"),
+        (2, 1, "d"),
+    ]
     assert made[0] == found[-1] and found[0].author == "prof"
     assert not run(database_url, lambda d: of_submission(d, other))
 

@@ -1,4 +1,6 @@
-"""Where every student stands: which submission counts, what a check came to, what is late, what is forgiven."""
+"""Where every student stands: which submission counts, what a check came to, what is late,
+what is forgiven.
+"""
 
 import importlib
 from datetime import UTC, datetime, timedelta
@@ -15,13 +17,17 @@ NOW = datetime.now(UTC)
 
 
 def standing(url, name):
-    return next(s for s in run(url, lambda database: gradebook.students(database, "rigid-body")) if s.name == name)
+    return next(
+        s for s in run(url, lambda database: gradebook.students(database, "rigid-body")) if s.name == name
+    )
 
 
 def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(database_url):
     async def fill(database):
         async with database.begin() as connection:
-            await people.enroll(connection, [("zoe", "student", "Zoe Adams"), ("prof", "instructor"), ("gone", "former")])
+            await people.enroll(
+                connection, [("zoe", "student", "Zoe Adams"), ("prof", "instructor"), ("gone", "former")]
+            )
         _, new = [await hand_in(database, "ann", GOOD, days_ago=days) for days in (3, 2)]
         await hand_in(database, "ann", BAD, days_ago=1)
         await hand_in(database, "ann", None)
@@ -30,8 +36,18 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
 
     counts = run(database_url, fill)
     ann, zoe = standing(database_url, "ann"), standing(database_url, "zoe")
-    assert (ann.submission, ann.points, ann.max_score, ann.submissions, ann.status) == (counts, 2, 2, 4, "graded")
-    assert ann.earned == [2, 2, 1, None] and ann.sent_at == sorted(ann.sent_at) and (zoe.earned, zoe.sent_at) == ([], [])
+    assert (ann.submission, ann.points, ann.max_score, ann.submissions, ann.status) == (
+        counts,
+        2,
+        2,
+        4,
+        "graded",
+    )
+    assert (
+        ann.earned == [2, 2, 1, None]
+        and ann.sent_at == sorted(ann.sent_at)
+        and (zoe.earned, zoe.sent_at) == ([], [])
+    )
     assert (zoe.submission, zoe.points, zoe.submissions, zoe.status, zoe.display_name) == (
         None,
         None,
@@ -59,7 +75,10 @@ def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(data
 
 def test_points_given_count_instead(database_url):
     id = run(database_url, lambda database: hand_in(database, "ann", BAD))
-    give = "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, 'because', 'prof')"
+    give = (
+        "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s,"
+        " 'because', 'prof')"
+    )
     sql(database_url, give, id, "2-momentum", 1)
     ann = standing(database_url, "ann")
     assert (ann.score, ann.points, ann.overridden) == (1, 2, True)
@@ -75,13 +94,19 @@ def test_a_held_grading_changes_nothing(database_url):
         database_url,
         """WITH one AS (INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, preview)
             SELECT gen_random_uuid(), id, 2, 'regrade', 7, 3, true FROM submission RETURNING id)
-        INSERT INTO result (grading_id, score, max_score, report, version) SELECT one.id, 2, 2, r.report, '2' FROM one, result r""",
+        INSERT INTO result (grading_id, score, max_score, report, version) SELECT one.id, 2, 2, r.report, '2'
+          FROM one, result r""",
     )
     assert (standing(database_url, "ann").points, standing(database_url, "ann").version) == (1, "1")
 
 
 def set_rules(url, due, grace=3600.0):
-    run(url, lambda database: queue_overview.set_rules(database, "rigid-body", queue_overview.Rules(due, grace, None), "prof"))
+    run(
+        url,
+        lambda database: queue_overview.set_rules(
+            database, "rigid-body", queue_overview.Rules(due, grace, None), "prof"
+        ),
+    )
 
 
 def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database_url):
@@ -93,8 +118,12 @@ def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database
     later = NOW + timedelta(days=1)
     assert run(database_url, lambda database: deadlines.extend(database, "rigid-body", "ann", later, **given))
     assert not standing(database_url, "ann").late
-    assert run(database_url, lambda database: deadlines.remove_extension(database, "rigid-body", "ann", "prof"))
-    assert not run(database_url, lambda database: deadlines.remove_extension(database, "rigid-body", "ann", "prof"))
+    assert run(
+        database_url, lambda database: deadlines.remove_extension(database, "rigid-body", "ann", "prof")
+    )
+    assert not run(
+        database_url, lambda database: deadlines.remove_extension(database, "rigid-body", "ann", "prof")
+    )
     assert standing(database_url, "ann").late
     set_rules(database_url, NOW - timedelta(days=3))
     assert not standing(database_url, "ben").late
@@ -113,7 +142,9 @@ def test_an_extension_is_for_one_person_and_never_shortens(database_url):
     with pytest.raises(SubmissionRejected):
         run(database_url, lambda database: hand_in(database, "ann", None))
     given = {"reason": "was ill", "by": "prof"}
-    assert run(database_url, lambda d: deadlines.extend(d, "rigid-body", "ann", NOW + timedelta(days=1), **given))
+    assert run(
+        database_url, lambda d: deadlines.extend(d, "rigid-body", "ann", NOW + timedelta(days=1), **given)
+    )
     run(database_url, lambda database: hand_in(database, "ann", None))
     with pytest.raises(SubmissionRejected):
         run(database_url, lambda database: hand_in(database, "ben", None))

@@ -37,15 +37,19 @@ def counted(url, action):
 
 BULK = """
 INSERT INTO person (name, full_name) SELECT 's' || k, 'Student ' || k FROM generate_series(1, %(students)s) k;
-INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FROM course c, person p WHERE p.name ~ '^s[0-9]+$';
+INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FROM course c, person p
+  WHERE p.name ~ '^s[0-9]+$';
 INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint, submitted_at)
-    SELECT gen_random_uuid(), x.id, p.id, 'x = ' || k, '', 'submission.py', '', now() + k * interval '1 minute'
+    SELECT gen_random_uuid(), x.id, p.id, 'x = ' || k, '', 'submission.py', '',
+      now() + k * interval '1 minute'
     FROM assignment x, person p, generate_series(1, %(sent)s) k WHERE p.name ~ '^s[0-9]+$';
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)
     SELECT gen_random_uuid(), id, 1, 'interactive', 7, 3 FROM submission;
-INSERT INTO result (grading_id, report, score, max_score, version) SELECT id, CAST(%(report)s AS jsonb), 5, 10, '1' FROM grading;
+INSERT INTO result (grading_id, report, score, max_score, version) SELECT id, CAST(%(report)s AS jsonb), 5,
+  10, '1' FROM grading;
 INSERT INTO outcome (grading_id, check_id, state, counted, codes, causes, points, earned)
-    SELECT a.id, '2-check' || k, CASE WHEN k %% 2 = 0 THEN 'pass' ELSE 'fail' END, true, '{}', '{}', 1, (k + 1) %% 2
+    SELECT a.id, '2-check' || k, CASE WHEN k %% 2 = 0 THEN 'pass' ELSE 'fail'
+      END, true, '{}', '{}', 1, (k + 1) %% 2
     FROM grading a, generate_series(1, 10) k
 """
 

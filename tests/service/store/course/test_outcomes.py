@@ -8,12 +8,17 @@ from tests.support.submissions import grade, hand_in
 
 RAISED = Diagnosis("raises", "ValueError: no", 1.0)
 MARKS = {"2-energy": "✓", "2-momentum": ("✗", 0.5), "2-motion": "⏱", "2-pointwise": "!", "2-secret": "–"}
-GIVE = "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, 'because', 'prof')"
+GIVE = (
+    "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, 'because',"
+    " 'prof')"
+)
 
 
 def ask(url, query, *values):
     async def read(database):
-        return await query(database, gradebook.graded(await gradebook.students(database, "rigid-body")), *values)
+        return await query(
+            database, gradebook.graded(await gradebook.students(database, "rigid-body")), *values
+        )
 
     return run(url, read)
 
@@ -22,7 +27,8 @@ def test_the_states_of_a_student(database_url):
     id = run(database_url, lambda database: hand_in(database, "ann", MARKS))
     (states,) = ask(database_url, outcomes.by_student).values()
     assert states == {
-        "2-energy": "pass", "2-momentum": "fail", "2-motion": "timeout", "2-pointwise": "error", "2-secret": "unmeasured",
+        "2-energy": "pass", "2-momentum": "fail", "2-motion": "timeout", "2-pointwise": "error",
+        "2-secret": "unmeasured",
     }  # fmt: skip
     for check, points in (("2-energy", 0), ("2-momentum", 1)):
         sql(database_url, GIVE, id, check, points)
@@ -39,8 +45,15 @@ def test_a_class_by_check(database_url):
     run(database_url, fill)
     found = ask(database_url, outcomes.by_check)
     energy, momentum = found["2-energy"], found["2-momentum"]
-    assert sorted(energy.states.split()) == ["fail", "fail", "pass"] and sorted(energy.margins) == [0.1, 0.2, 8.0]
-    assert sorted(energy.causes) == sorted([SLIP.sentence, RAISED.sentence]) and (energy.exact, energy.smallest) == (0, 8.0)
+    assert sorted(energy.states.split()) == ["fail", "fail", "pass"] and sorted(energy.margins) == [
+        0.1,
+        0.2,
+        8.0,
+    ]
+    assert sorted(energy.causes) == sorted([SLIP.sentence, RAISED.sentence]) and (
+        energy.exact,
+        energy.smallest,
+    ) == (0, 8.0)
     assert (momentum.states, momentum.margins, momentum.causes) == ("pass pass", None, None)
     assert (momentum.exact, momentum.smallest) == (2, None)
 
@@ -48,7 +61,9 @@ def test_a_class_by_check(database_url):
 def test_causes_count_students_and_an_override_takes_a_cause_away(database_url):
     async def fill(database):
         await hand_in(
-            database, "ann", {"2-energy": ("✗", 0.1, SLIP), "2-momentum": ("✗", 0.1, SLIP), "2-motion": ("!", 1.0, RAISED)}
+            database,
+            "ann",
+            {"2-energy": ("✗", 0.1, SLIP), "2-momentum": ("✗", 0.1, SLIP), "2-motion": ("!", 1.0, RAISED)},
         )
         return await hand_in(database, "ben", {"2-energy": ("✗", 0.1, SLIP)})
 
@@ -56,7 +71,10 @@ def test_causes_count_students_and_an_override_takes_a_cause_away(database_url):
     assert [tuple(row) for row in ask(database_url, outcomes.by_cause)] == [
         (SLIP.code, SLIP.sentence, 2, 2), (RAISED.code, RAISED.sentence, 1, 1)]  # fmt: skip
     sql(database_url, GIVE, ben, "2-energy", 1)
-    assert {row.sentence: row.students for row in ask(database_url, outcomes.by_cause)} == {SLIP.sentence: 1, RAISED.sentence: 1}
+    assert {row.sentence: row.students for row in ask(database_url, outcomes.by_cause)} == {
+        SLIP.sentence: 1,
+        RAISED.sentence: 1,
+    }
 
 
 def test_outcomes_match_a_check_a_state_and_a_cause(database_url):
@@ -74,7 +92,9 @@ def test_outcomes_match_a_check_a_state_and_a_cause(database_url):
     assert [check for check, *_ in found(state="fail")] == ["2-energy", "2-momentum"]
     assert [check for check, *_ in found(cause=SLIP.sentence, state="error")] == ["2-pointwise"]
     assert len(found(cause=SLIP.sentence)) == len(found(state="not-pass")) == 5
-    assert [check for check, *_ in found("2-motion", "not-pass")] == ["2-motion"] and found("2-motion", "pass") == []
+    assert [check for check, *_ in found("2-motion", "not-pass")] == ["2-motion"] and found(
+        "2-motion", "pass"
+    ) == []
     assert found(state="none") == found(cause="' OR true --") == found("no check") == []
 
 

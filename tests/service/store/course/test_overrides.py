@@ -71,7 +71,9 @@ def test_a_check_of_four_points(database_url):
         assert points(database_url, sent) == total
     assert trail(database_url)[0][3:6] == (3, 4, [4, 5])
     (ann,) = run(database_url, lambda d: gradebook.students(d, "rigid-body"))
-    assert run(database_url, lambda d: outcomes.by_student(d, [ann.grading])) == {ann.grading: {"c1": "fail*", "c2": "pass"}}
+    assert run(database_url, lambda d: outcomes.by_student(d, [ann.grading])) == {
+        ann.grading: {"c1": "fail*", "c2": "pass"}
+    }
     (row,) = run(database_url, lambda d: grades.grades(d, "rigid-body"))
     assert (row.worth, row.earned, row.points) == ({"c1": 4, "c2": 1}, {"c1": 3, "c2": 1}, 3)
 
@@ -117,7 +119,10 @@ def test_without_a_report_there_is_nothing_to_correct(database_url):
 
 def test_of_two_at_once_the_later_wins_and_both_are_told(database_url, submission):
     async def two(database):
-        asked = [give(database, submission, f"p{k}", check="c2", points=k % 2, reason=f"reason {k}") for k in range(6)]
+        asked = [
+            give(database, submission, f"p{k}", check="c2", points=k % 2, reason=f"reason {k}")
+            for k in range(6)
+        ]
         await asyncio.gather(*asked)
 
     run(database_url, two)
@@ -136,7 +141,11 @@ def test_who_had_not_seen_the_last_change_is_told(database_url, submission):
 
     answers = run(database_url, two)
     (refused,) = [a for a in answers if a is not None]
-    assert isinstance(refused, OverrideRejected) and refused.kind == "changed-meanwhile" and "reload the page" in str(refused)
+    assert (
+        isinstance(refused, OverrideRejected)
+        and refused.kind == "changed-meanwhile"
+        and "reload the page" in str(refused)
+    )
     assert len(known(database_url, submission)) == 1
     given(database_url, submission, "c3", seen=overrides.revision(known(database_url, submission)))
 
@@ -146,9 +155,14 @@ def test_withdrawn_once(database_url, submission):
     (one,) = known(database_url, submission)
 
     async def two(database):
-        return await asyncio.gather(*(withdraw(database, submission, one.id, who) for who in "ab"), return_exceptions=True)
+        return await asyncio.gather(
+            *(withdraw(database, submission, one.id, who) for who in "ab"), return_exceptions=True
+        )
 
     answers = run(database_url, two)
-    assert sorted(type(a).__name__ for a in answers) == ["OverrideRejected", "bool"] and len(trail(database_url)) == 2
+    assert (
+        sorted(type(a).__name__ for a in answers) == ["OverrideRejected", "bool"]
+        and len(trail(database_url)) == 2
+    )
     other = graded(database_url, "ben", "+")
     assert run(database_url, lambda d: withdraw(d, other, one.id, "x")) is False

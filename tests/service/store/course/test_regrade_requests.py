@@ -5,7 +5,13 @@ import uuid
 
 import pytest
 
-from service.store.course.regrade_requests import RequestRejected, answer, of_assignment, of_submission, request
+from service.store.course.regrade_requests import (
+    RequestRejected,
+    answer,
+    of_assignment,
+    of_submission,
+    request,
+)
 from tests.support.database import run, sql
 from tests.support.submissions import graded, submitted
 
@@ -23,7 +29,11 @@ def test_a_request_and_its_answer(database_url):
     open_ = requested(database_url, sent)
     assert (open_.submission, open_.status, open_.answer, open_.answered_at) == (sent, "open", None, None)
     done = answered(database_url, open_.id, "accepted", "you are right")
-    assert (done.status, done.answer, done.answered_by) == ("accepted", "you are right", "prof") and done.answered_at
+    assert (done.status, done.answer, done.answered_by) == (
+        "accepted",
+        "you are right",
+        "prof",
+    ) and done.answered_at
     assert run(database_url, lambda d: of_submission(d, sent)) == [done]
     assert sql(database_url, "SELECT actor, action, subject, detail FROM audit ORDER BY id") == [
         ("ann", "regrade request", str(sent), {"reason": "my answer is the same number"}),
@@ -46,7 +56,9 @@ def test_two_that_arrive_together_make_one_request(database_url):
     sent = graded(database_url, "ann", "+-")
 
     async def both(database):
-        return await asyncio.gather(*(request(database, sent, "ann", "r") for _ in range(2)), return_exceptions=True)
+        return await asyncio.gather(
+            *(request(database, sent, "ann", "r") for _ in range(2)), return_exceptions=True
+        )
 
     results = run(database_url, both)
     assert sorted(type(one).__name__ for one in results) == ["RegradeRequest", "RequestRejected"]

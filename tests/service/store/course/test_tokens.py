@@ -17,7 +17,9 @@ def in_transaction(url, action):
 
 
 def given(url, name, seconds=1000.0):
-    return in_transaction(url, lambda c: tokens.create(c, name, label="test", scopes=["read"], seconds=seconds))
+    return in_transaction(
+        url, lambda c: tokens.create(c, name, label="test", scopes=["read"], seconds=seconds)
+    )
 
 
 def found(url, token):
@@ -72,4 +74,6 @@ def test_the_oldest_unconfirmed_logins_make_place_for_new_ones(database_url, mon
     logins += [run(database_url, lambda d, k=k: tokens.create_login(d, str(k))) for k in range(3, 6)]
     found = [run(database_url, lambda d, code=code: tokens.find_login(d, code)) for _, code in logins]
     assert found == [None, None, None, "3", "4", "5"]
-    assert run(database_url, lambda d: tokens.collect_login(d, logins[0][0], 1.0))[1] == "ann", "confirmed in time"
+    assert run(database_url, lambda d: tokens.collect_login(d, logins[0][0], 1.0))[1] == "ann", (
+        "confirmed in time"
+    )

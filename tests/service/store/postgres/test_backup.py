@@ -1,4 +1,6 @@
-"""Backup under load, restore into an empty database and across major versions, and a check that finds what is wrong."""
+"""Backup under load, restore into an empty database and across major versions, and a check that finds what is
+wrong.
+"""
 
 import asyncio
 from datetime import UTC, datetime
@@ -33,7 +35,9 @@ def test_a_backup_under_load_restores_to_a_consistent_state(database_url, empty_
 
     run(database_url, write_and_back_up)
     backup.restore(empty_url, find_programs(), tmp_path / "b.dump")
-    ((kept,),), ((all_,),) = (sql(url, "SELECT count(*) FROM submission") for url in (empty_url, database_url))
+    ((kept,),), ((all_,),) = (
+        sql(url, "SELECT count(*) FROM submission") for url in (empty_url, database_url)
+    )
     assert 0 < kept <= all_ and sql(empty_url, "SELECT count(*) FROM procrastinate_jobs") == [(kept,)]
     assert not any(backup.check(empty_url).values())
     assert run(empty_url, lambda d: accept(d, new()))  # and it works on
@@ -53,7 +57,18 @@ def test_a_backup_has_every_row_of_every_table(database_url, empty_url, tmp_path
     backup.restore(empty_url, find_programs(), tmp_path / "b.dump")
     before, after = (rows_by_table(url) for url in (database_url, empty_url))
     assert before == after
-    filled = {"submission", "result", "outcome", "artefact", "override", "extension", "regrade", "token", "audit", "secret"}
+    filled = {
+        "submission",
+        "result",
+        "outcome",
+        "artefact",
+        "override",
+        "extension",
+        "regrade",
+        "token",
+        "audit",
+        "secret",
+    }
     assert all(before[table] > 0 for table in filled)
 
 
@@ -77,7 +92,9 @@ def test_a_database_without_its_schema_is_restored(database_url, tmp_path):
     backup.backup(database_url, find_programs(), tmp_path / "b.dump")
     sql(database_url, "DROP SCHEMA public CASCADE")
     backup.restore(database_url, find_programs(), tmp_path / "b.dump")
-    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(database_url).values())
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(
+        backup.check(database_url).values()
+    )
 
 
 def test_what_is_no_backup_is_refused(empty_url, tmp_path):
@@ -92,7 +109,10 @@ def test_the_check_finds_what_does_not_fit(database_url):
     assert not any(backup.check(database_url).values())
     sql(database_url, "DELETE FROM outcome WHERE state = 'pass'")
     run(database_url, lambda d: accept(d, new()))
-    sql(database_url, "UPDATE grading SET preview = true WHERE NOT EXISTS (SELECT 1 FROM result WHERE grading_id = id)")
+    sql(
+        database_url,
+        "UPDATE grading SET preview = true WHERE NOT EXISTS (SELECT 1 FROM result WHERE grading_id = id)",
+    )
     sql(database_url, "INSERT INTO artefact VALUES ('0123', 'x')")
     sql(database_url, "DELETE FROM procrastinate_jobs")
     sql(database_url, "UPDATE grading SET requested_at = now() - interval '1 hour'")
@@ -110,7 +130,9 @@ def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     migrate(before.url)
     run(before.url, lambda d: accept(d, new()))
     before.stop()
-    with pytest.raises(DatabaseUnavailable, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"):
+    with pytest.raises(
+        DatabaseUnavailable, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"
+    ):
         EmbeddedPostgres(tmp_path / "data").start()
     before.start()
     backup.backup(before.url, old[0].parent, tmp_path / "old.dump")
@@ -120,7 +142,9 @@ def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     with after.new_cluster() as url:
         backup.restore(url, find_programs(), tmp_path / "old.dump")
     after.start()
-    assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(after.url).values())
+    assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(
+        backup.check(after.url).values()
+    )
     after.stop()
 
 
@@ -132,7 +156,9 @@ def test_a_backup_that_breaks_off_destroys_nothing_and_nobody_else_can_read_it(d
     (tmp_path / "half.dump").write_bytes(file.read_bytes()[: file.stat().st_size * 2 // 3])
     with pytest.raises(BackupError):
         backup.restore(database_url, find_programs(), tmp_path / "half.dump", replace=True)
-    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(database_url).values())
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(
+        backup.check(database_url).values()
+    )
     with pytest.raises(BackupError, match="is a folder"):
         backup.backup(database_url, find_programs(), tmp_path)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["b.dump", "half.dump"]
@@ -156,5 +182,8 @@ def test_a_server_goes_on_after_a_restore(database_url, tmp_path):
                     continue
 
     run(database_url, back_in_time)
-    assert sql(database_url, "SELECT name FROM person WHERE name IN ('ann', 'ben') ORDER BY name") == [("ann",), ("ben",)]
+    assert sql(database_url, "SELECT name FROM person WHERE name IN ('ann', 'ben') ORDER BY name") == [
+        ("ann",),
+        ("ben",),
+    ]
     assert sql(database_url, "SELECT count(*) FROM submission") == [(3,)]

@@ -1,4 +1,6 @@
-"""The folder of the embedded database is lost: noticed while the server runs, and never taken for a first start."""
+"""The folder of the embedded database is lost: noticed while the server runs, and never taken for a first
+start.
+"""
 
 import contextlib
 import os
@@ -63,7 +65,9 @@ def test_a_running_server_notices_each_loss_and_the_return(database, tmp_path):
     (folder / "PG_VERSION").rename(tmp_path / "away")
     assert database.find_loss() == "postgres/PG_VERSION is missing"
     (tmp_path / "away").rename(folder / "PG_VERSION")
-    assert database.find_loss() is None and not database.unchanged()  # it could be a copy, whose other files follow
+    assert (
+        database.find_loss() is None and not database.unchanged()
+    )  # it could be a copy, whose other files follow
     folder.chmod(0o000)
     assert "cannot be read" in database.find_loss()
     folder.chmod(0o700)
@@ -151,7 +155,8 @@ def test_a_dropped_database_is_not_created_again(database, data):
 
 
 STARTS = (
-    "import pathlib, sys; from service.store.postgres.server import EmbeddedPostgres as E; E(pathlib.Path(sys.argv[1])).start()"
+    "import pathlib, sys; from service.store.postgres.server import EmbeddedPostgres as E;"
+    " E(pathlib.Path(sys.argv[1])).start()"
 )
 
 
@@ -217,6 +222,8 @@ def test_a_backup_is_restored_into_a_new_folder_and_a_failed_one_leaves_none(tmp
     subprocess.run(command, env=environment, check=True, stdout=subprocess.DEVNULL)
     after = EmbeddedPostgres(data)
     after.start()
-    assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(after.url).values())
+    assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(
+        backup.check(after.url).values()
+    )
     assert (data / "postgres.id").read_text() != old
     after.stop()

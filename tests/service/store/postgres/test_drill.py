@@ -50,10 +50,15 @@ def test_the_command_exits_with_1_if_a_restored_row_differs(database_url, tmp_pa
     assert "1 submissions" in (out := capsys.readouterr().out) and "every row is the same" in out
     before = drill.back_up(database_url, find_programs(), tmp_path / "b")
     changed = before | {"person": drill.Contents(5, "0"), "secret": before["secret"]._replace(hash="0")}
-    monkeypatch.setattr(drill, "back_up", lambda url, programs, file: (drill.backup.backup(url, programs, file), changed)[1])
+    monkeypatch.setattr(
+        drill, "back_up", lambda url, programs, file: (drill.backup.backup(url, programs, file), changed)[1]
+    )
     assert main(["db", "drill"]) == 1
     out = capsys.readouterr().out
     assert f"✗  person: {before['person'].rows} rows restored of 5\n" in out
-    assert f"✗  secret: {before['secret'].rows} rows restored of {before['secret'].rows}, with other values\n" in out
+    assert (
+        f"✗  secret: {before['secret'].rows} rows restored of {before['secret'].rows}, with other values\n"
+        in out
+    )
     assert main(["db", "drill", str(tmp_path / "b")]) == 0
     assert main(["db", "drill", str(tmp_path / "none")]) == 2

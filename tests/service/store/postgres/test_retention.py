@@ -14,12 +14,17 @@ from tests.support.database import run, sql
 from tests.support.reports import report_of_marks
 from tests.support.submissions import hand_in
 
-DRAWN, ARRAYS = {"figures/omega.svg": b"<svg/>", "motions/free.json": b"{}"}, {"arrays.npz": b"numbers of the regrade"}
+DRAWN, ARRAYS = (
+    {"figures/omega.svg": b"<svg/>", "motions/free.json": b"{}"},
+    {"arrays.npz": b"numbers of the regrade"},
+)
 KEPT = ("submission", "grading", "result", "outcome", "run", "person")
 
 
 def files(url):
-    return {(str(grading), name) for grading, name in sql(url, "SELECT grading_id, name FROM grading_artefact")}
+    return {
+        (str(grading), name) for grading, name in sql(url, "SELECT grading_id, name FROM grading_artefact")
+    }
 
 
 def rows(url):
@@ -27,7 +32,9 @@ def rows(url):
 
 
 def grading_of(url, submission, number=1):
-    return sql(url, "SELECT id FROM grading WHERE submission_id = %s AND number = %s", submission, number)[0][0]
+    return sql(url, "SELECT id FROM grading WHERE submission_id = %s AND number = %s", submission, number)[0][
+        0
+    ]
 
 
 def pruned(url, *, days=0, arrays=False, delete=True, versions=None):
@@ -53,7 +60,9 @@ def again(url, submission):
 
     async def grade(database):
         await regrade(database, [submission], "prof")
-        one = await runs.claim(database, (await database.rows(NEWEST, {"id": submission}))[0].id, uuid.uuid4(), "test worker")
+        one = await runs.claim(
+            database, (await database.rows(NEWEST, {"id": submission}))[0].id, uuid.uuid4(), "test worker"
+        )
         assert await runs.finish(database, one, report_of_marks({"2-energy": "✗"}), ARRAYS)
 
     run(url, grade)
@@ -83,7 +92,9 @@ def test_a_figure_of_a_former_version_of_the_assignment_stays(database_url, subm
 def test_the_arrays_go_only_if_asked_and_figures_that_need_them_stay(database_url, submission):
     kept, grading = rows(database_url), str(grading_of(database_url, submission))
     assert pruned(database_url, arrays=True) == {"replaced": 0, "arrays": 1}
-    assert files(database_url) == {(grading, name) for name in (*DRAWN, "pruned")} and rows(database_url) == kept
+    assert (
+        files(database_url) == {(grading, name) for name in (*DRAWN, "pruned")} and rows(database_url) == kept
+    )
     assert pruned(database_url) == {"replaced": 0, "drawn": 0}
     assert not any(backup.check(database_url).values())
     again(database_url, submission)
@@ -120,7 +131,9 @@ def test_files_of_a_replaced_grading_go_and_those_of_an_undecided_preview_stay(d
 def test_a_preview_keeps_its_files_until_its_regrade_is_decided(database_url, submission, decision):
     async def preview(database):
         id = await regrades.create(database, "rigid-body", submission, "prof", description="one")
-        one = await runs.claim(database, (await database.rows(NEWEST, {"id": submission}))[0].id, uuid.uuid4(), "test worker")
+        one = await runs.claim(
+            database, (await database.rows(NEWEST, {"id": submission}))[0].id, uuid.uuid4(), "test worker"
+        )
         assert await runs.finish(database, one, report_of_marks({"2-energy": "✗"}), ARRAYS)
         if decision:
             await getattr(regrades, decision)(database, id, "prof")
@@ -135,12 +148,16 @@ def test_a_preview_keeps_its_files_until_its_regrade_is_decided(database_url, su
 def test_contents_that_another_grading_shares_stay(database_url, submission):
     async def share(database):
         other = await hand_in(database, "ben", {"2-energy": "✓"}, version="former")
-        await store_artefacts(database, (await database.rows(NEWEST, {"id": other}))[0].id, {"figures/omega.svg": b"<svg/>"})
+        await store_artefacts(
+            database, (await database.rows(NEWEST, {"id": other}))[0].id, {"figures/omega.svg": b"<svg/>"}
+        )
         return other
 
     other = run(database_url, share)
     assert pruned(database_url)["drawn"] == 2
-    found = run(database_url, lambda d: find_artefact(d, grading_of(database_url, other), "figures/omega.svg"))
+    found = run(
+        database_url, lambda d: find_artefact(d, grading_of(database_url, other), "figures/omega.svg")
+    )
     assert found is not None and found[0] == b"<svg/>"
 
 

@@ -132,7 +132,16 @@ def test_a_process_that_has_got_the_number_of_a_dead_server_is_left_alone_and_in
     log = tmp_path / "data" / "postgres.log"
     innocent = subprocess.Popen(["tail", "-f", str(log)], stdout=subprocess.DEVNULL)
     try:
-        lines = [str(innocent.pid), str(tmp_path / "data" / "postgres"), "1700000000", "5432", str(tmp_path), "", "", "ready"]
+        lines = [
+            str(innocent.pid),
+            str(tmp_path / "data" / "postgres"),
+            "1700000000",
+            "5432",
+            str(tmp_path),
+            "",
+            "",
+            "ready",
+        ]
         (tmp_path / "data" / "postgres" / "postmaster.pid").write_text("\n".join(lines))
         database.start()
         assert query(database, "SELECT 1") == 1 and innocent.poll() is None

@@ -23,7 +23,9 @@ SMALL = 0.0  # share of the pixels that must change: a point may be as small as 
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the recording of the animation that the student's function draws from the arguments of the first row."""
+    """Return the recording of the animation that the student's function draws from the arguments of the first
+    row.
+    """
     given = arguments(question, next(each_row(rows), {}))
     return record(lambda: call(question, student, given), question["seconds"])
 
@@ -45,7 +47,9 @@ def animations(question: Mapping[str, Any]) -> list[Animation]:
 
 
 def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
-    """Return why the picture does not move, or what the first trajectory that nothing follows is drawn as instead."""
+    """Return why the picture does not move, or what the first trajectory that nothing follows is drawn as
+    instead.
+    """
     from ecp.kinds.animation.shown import standstill
 
     if sentence := standstill(seen, SMALL):
@@ -71,4 +75,6 @@ def _follows(question: Mapping[str, Any], name: str, scene: str, id: str, suffix
             return replace(judged, detail=f"{shown.sentence}, misfit: {judged.detail}")
         return Judgement(Verdict.UNMEASURED if shown.found is None else Verdict.FAIL, shown.sentence)
 
-    return Check(id, f"{question['function']} draws a point that follows {name}{suffix}", (scene,), word, tolerance)
+    return Check(
+        id, f"{question['function']} draws a point that follows {name}{suffix}", (scene,), word, tolerance
+    )

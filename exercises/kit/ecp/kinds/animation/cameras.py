@@ -17,7 +17,9 @@ PLANES = tuple(itertools.permutations(range(3), 2))
 
 
 def plain(dimensions: int, first: tuple[int, int] | None = None, coordinates: int = 3) -> list[Array]:
-    """Return the matrices that draw 2 or 3 coordinates as they are: one, or one for each ordered pair of three, ``first`` first."""
+    """Return the matrices that draw 2 or 3 coordinates as they are: one, or one for each ordered pair of
+    three, ``first`` first.
+    """
     if dimensions == coordinates:
         return [np.eye(dimensions)]
     planes = sorted(PLANES, key=lambda plane: (plane != first, plane[0] > plane[1]))
@@ -25,7 +27,9 @@ def plain(dimensions: int, first: tuple[int, int] | None = None, coordinates: in
 
 
 def straightened(matrix: Array) -> Array | None:
-    """Return the camera, perhaps a mirroring one, that a fitted ``matrix`` (d, 3) represents, without its scale; or None."""
+    """Return the camera, perhaps a mirroring one, that a fitted ``matrix`` (d, 3) represents, without its
+    scale; or None.
+    """
     left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
     if sizes[0] > 0 and sizes[-1] >= (1 - 2 * CROOKED) * sizes[0]:
         return np.asarray(left @ right)
@@ -39,11 +43,17 @@ def straightened(matrix: Array) -> Array | None:
 
 
 def mislabelled(plane: tuple[int, int] | None, camera: Array) -> str:
-    """Return which coordinates a ``camera`` (2, 3) draws instead of those of ``plane``, which the labels name, or ""."""
+    """Return which coordinates a ``camera`` (2, 3) draws instead of those of ``plane``, which the labels
+    name, or "".
+    """
     whole = np.rint(camera)
     shown = [int(k) for k in np.argmax(np.abs(whole), axis=1)]
     signs = [whole[row, k] for row, k in enumerate(shown)]
-    if plane is None or np.abs(camera - whole).max() > PARALLEL or (shown == list(plane) and signs[0] == signs[1]):
+    if (
+        plane is None
+        or np.abs(camera - whole).max() > PARALLEL
+        or (shown == list(plane) and signs[0] == signs[1])
+    ):
         return ""
     names = " and ".join(f"{'−' if sign < 0 else ''}{'xyz'[k]}" for k, sign in zip(shown, signs, strict=True))
     return f"axes labelled {' and '.join('xyz'[k] for k in plane)} show {names}"
@@ -56,11 +66,15 @@ def parallel(directions: Array, wanted: Array) -> bool:
 
 
 def in_perspective(points: Array, places: Array) -> tuple[Array, Array]:
-    """Return M (2, m) and q (3,) by which ``points`` (k, m) are best drawn at ``places`` (k, 2), as M p / (1 − q·p).
+    """Return M (2, m) and q (3,) by which ``points`` (k, m) are best drawn at ``places`` (k, 2), as M p / (1
+    − q·p).
 
     The first three coordinates of a point are its place in space; a constant one may follow.
     """
     none = np.zeros_like(points)
-    rows = [np.column_stack([*np.roll([points, none], row, axis=0), places[:, [row]] * points[:, :3]]) for row in (0, 1)]
+    rows = [
+        np.column_stack([*np.roll([points, none], row, axis=0), places[:, [row]] * points[:, :3]])
+        for row in (0, 1)
+    ]
     fit = np.linalg.lstsq(np.concatenate(rows), places.T.ravel(), rcond=None)[0]
     return fit[:-3].reshape(2, -1), fit[-3:]

@@ -17,7 +17,9 @@ FIRST_STILL = 3  # points of an artist that may be the fixed end of what moves
 
 
 class Path(NamedTuple):
-    """The ``places`` (f, d) of a point of ``artist``; if ``bound``, relative to ``origin`` (d,), a fixed point of that artist."""
+    """The ``places`` (f, d) of a point of ``artist``; if ``bound``, relative to ``origin`` (d,), a fixed
+    point of that artist.
+    """
 
     artist: int
     places: Array
@@ -26,7 +28,8 @@ class Path(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """One axes of ``dimensions`` 2 or 3: paths, each artist's points (s, d) that stay, and sets (f, s, d) without order.
+    """One axes of ``dimensions`` 2 or 3: paths, each artist's points (s, d) that stay, and sets (f, s, d)
+    without order.
 
     ``plane``: of 2-D axes the two coordinates that the labels name, 0, 1, 2 for x, y, z, or None.
     """
@@ -38,7 +41,8 @@ class Picture(NamedTuple):
     plane: tuple[int, int] | None
 
     def directions(self) -> tuple[Array, Array]:
-        """Return directions (k, d) that stay: those of few points or of a line, and of these the ones with a known tail.
+        """Return directions (k, d) that stay: those of few points or of a line, and of these the ones with a
+        known tail.
 
         A tail is known at the fixed end of a path or at the zero of the axes.
         """
@@ -47,7 +51,8 @@ class Picture(NamedTuple):
         for points in self.still:
             steps, away = points - points[0], [points - tail for tail in tails]
             straight = (
-                len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()
+                len(points) > 1
+                and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()
             )
             if straight:
                 known = [x for x in away if np.linalg.norm(x, axis=1).min() <= MOVES * np.abs(points).max()]
@@ -69,7 +74,9 @@ class Picture(NamedTuple):
 
 
 def is_consistent(seen: Arrays) -> bool:
-    """Return whether the arrays fit together. They come from the sandbox, where a submission could forge each of them."""
+    """Return whether the arrays fit together. They come from the sandbox, where a submission could forge each
+    of them.
+    """
     tracks, owners, at = seen["tracks"], seen["owners"], seen["at"]
     small = np.all(np.abs(tracks) < LARGEST) and np.all(np.abs(at) < LARGEST) and np.all(at[:, 2] >= 1)
     return bool(tracks.shape[:2] == (len(at), len(owners)) and small)
@@ -84,7 +91,10 @@ def pictures(seen: Arrays) -> list[Picture]:
     found = []
     for axes, dimensions in np.unique(np.abs(owners[owners[:, 1] != 0][:, [2, 1]]), axis=0):
         here = (owners[:, 2] == axes) & (np.abs(owners[:, 1]) == dimensions)
-        points, artists = tracks[here][:, :, : 3 if dimensions == 3 else 2], (owners[here, 0] + 1) * np.sign(owners[here, 1])
+        points, artists = (
+            tracks[here][:, :, : 3 if dimensions == 3 else 2],
+            (owners[here, 0] + 1) * np.sign(owners[here, 1]),
+        )
         first, second = next((row[1:] for row in labels if row[0] == axes), (-1.0, -1.0))
         named = first != second and {first, second} <= {0.0, 1.0, 2.0}
         found.append(_picture(points, artists, (int(first), int(second)) if named else None))
@@ -94,7 +104,9 @@ def pictures(seen: Arrays) -> list[Picture]:
 
 
 def _directions(points: Array) -> Array:
-    """Return unit vectors (p, f, 3) of points (p, f, 2) on a map with the angle from z as radius, in degrees if above a turn."""
+    """Return unit vectors (p, f, 3) of points (p, f, 2) on a map with the angle from z as radius, in degrees
+    if above a turn.
+    """
     radius = np.linalg.norm(points, axis=2, keepdims=True)
     angle = np.radians(radius) if radius.max() > 2 * np.pi else radius
     return np.concatenate([np.sin(angle) * points / np.where(radius > 0, radius, 1.0), np.cos(angle)], axis=2)
@@ -107,11 +119,18 @@ def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Pi
         points = tracks[artists == artist]
         moves = np.ptp(points, axis=1).max(axis=1) > np.maximum(MOVES * np.abs(points).max(axis=(1, 2)), 1e-9)
         fixed = points[~moves, 0]
-        starts = [np.all(np.abs(fixed - place[0]) <= MOVES * np.ptp(place, axis=0).max(), axis=1) for place in points[moves]]
+        starts = [
+            np.all(np.abs(fixed - place[0]) <= MOVES * np.ptp(place, axis=0).max(), axis=1)
+            for place in points[moves]
+        ]
         if len(fixed) and not np.any(starts):
             still.append(fixed)
         for place, trail in zip(points[moves], starts, strict=True):
-            bound = [] if np.any(trail) else [Path(int(artist), place - end, True, end) for end in fixed[:FIRST_STILL]]
+            bound = (
+                []
+                if np.any(trail)
+                else [Path(int(artist), place - end, True, end) for end in fixed[:FIRST_STILL]]
+            )
             paths += bound or [Path(int(artist), place, False, np.zeros(d))]
     ends = [path.places + path.origin for path in paths if path.bound]
 
@@ -124,7 +143,9 @@ def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Pi
 
 
 def _arrow(points: Array) -> Array:
-    """Return the one point (1, d) furthest from the tail at zero, if ``points`` (s, d) hold that, as an arrow with a head does."""
+    """Return the one point (1, d) furthest from the tail at zero, if ``points`` (s, d) hold that, as an arrow
+    with a head does.
+    """
     lengths = np.linalg.norm(points, axis=1)
     far = points[lengths >= 0.99 * lengths.max()]
     single = lengths.min() <= WIDE * lengths.max() and np.ptp(far, axis=0).max() <= MOVES * lengths.max()
@@ -135,5 +156,8 @@ def changed(drawn: list[Picture]) -> int:
     """Return at how many frames a point of ``drawn`` is at another place than in the frame before."""
     everything = [path.places[:, None] for picture in drawn for path in picture.paths]
     everything += [points for picture in drawn for points in picture.sets]
-    steps = [np.abs(np.diff(points, axis=0)).max(axis=(1, 2)) > MOVES * np.abs(points).max() for points in everything]
+    steps = [
+        np.abs(np.diff(points, axis=0)).max(axis=(1, 2)) > MOVES * np.abs(points).max()
+        for points in everything
+    ]
     return int(np.sum(np.any(steps, axis=0)))

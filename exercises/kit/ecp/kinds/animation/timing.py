@@ -20,7 +20,9 @@ Indices = NDArray[np.int_]
 
 PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: under 1 % of any path here
 SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
-HELD = 0.25  # share of the frames that may hold the end, if the frames before do not advance by one sample each
+HELD = (
+    0.25  # share of the frames that may hold the end, if the frames before do not advance by one sample each
+)
 LEAST_FRAMES = 10
 FALLING = 0.25  # share of the frames at which time runs back: more than in a motion that begins again
 FAST = 1.3  # times the speed of an even run
@@ -29,7 +31,8 @@ WORST = 4.0  # times the misfit of all frames: the largest misfit of a single fr
 
 
 class Frames:
-    """The frames of an animation of n samples at times ``t`` (n,): number and value of each, and their total, in ``at`` (f, 3).
+    """The frames of an animation of n samples at times ``t`` (n,): number and value of each, and their total,
+    in ``at`` (f, 3).
 
     ``turned`` (n,) are the turns of the motion since its start.
     """
@@ -42,7 +45,9 @@ class Frames:
 
     @cached_property
     def laws(self) -> Array:
-        """The sample numbers (k, f) that the frames may show: of all the motion, or a part of at least one full turn."""
+        """The sample numbers (k, f) that the frames may show: of all the motion, or a part of at least one
+        full turn.
+        """
         value, turned, last, part = self.value, self.turned, self.n - 1, np.arange(self.n)
         fractions, indices = [self.fraction], [self.number]
         if np.all(value >= 0) and value[-1] > value[0] and np.all(np.diff(value) >= 0):
@@ -52,23 +57,35 @@ class Frames:
         elif np.all(value >= 0) and _begins_again(value):
             indices.append(value)
         first_turn = np.searchsorted(turned, min(1.0, turned[-1]) - 1e-9)
-        found = [end * x for x in fractions for end in np.arange(last if self.one_each else first_turn, last / (1 - HELD))]
+        found = [
+            end * x
+            for x in fractions
+            for end in np.arange(last if self.one_each else first_turn, last / (1 - HELD))
+        ]
         found += [law for index in indices for law in (np.minimum(index, last), index % self.n)]
         for stride in range(1, 1 + int(last / max(self.total - 1, 1))):
-            found += [start + stride * self.number for start in part if start + stride * (self.total - 1) <= last]
+            found += [
+                start + stride * self.number for start in part if start + stride * (self.total - 1) <= last
+            ]
         laws = np.clip(np.array(found), 0, last)
         low, high = laws.min(axis=1) - SLACK, laws.max(axis=1) + SLACK
         return laws[np.interp(high, part, turned) - np.interp(low, part, turned) >= min(1.0, turned[-1])]
 
     @cached_property
     def late(self) -> Array:
-        """The sample numbers (k, f) of usual mistakes: too short a part, a part or all of it repeated, another speed."""
+        """The sample numbers (k, f) of usual mistakes: too short a part, a part or all of it repeated,
+        another speed.
+        """
         value, n, shift = self.value, self.n, int(2 * SLACK) + 1
         found = [end * self.fraction for end in range(1, n)]
         found += [np.minimum(end * self.fraction, n - 1) for end in range(n, 6 * n)]
         whole = np.all(value >= 0) and np.ptp(value) > 0 and np.all(value == np.rint(value))
         for index in (self.number, value) if whole else (self.number,):
-            found += [index, *(index % part for part in range(2, n)), *((speed * index) % n for speed in (0.5, 2, 3, 4, 5))]
+            found += [
+                index,
+                *(index % part for part in range(2, n)),
+                *((speed * index) % n for speed in (0.5, 2, 3, 4, 5)),
+            ]
             found += [start + index for start in range(shift, n)]
             found += [(start + index) % n for start in range(shift, n - shift)]
         return np.clip(np.array(found), 0, n - 1)
@@ -77,7 +94,11 @@ class Frames:
         """Return which samples the ``times`` (f,) cover, for a report."""
         n, low, high = self.n, times.min(), times.max()
         step = max(SLACK, float(np.diff(np.sort(times)).max()) + 0.5)
-        return f"all {n} samples" if low <= step and high >= n - 1 - step else f"samples {low:.0f}–{high:.0f} of {n}"
+        return (
+            f"all {n} samples"
+            if low <= step and high >= n - 1 - step
+            else f"samples {low:.0f}–{high:.0f} of {n}"
+        )
 
     def wrong(self, times: Array) -> str:
         """Return what is wrong with the ``times`` (f,) of the followed frames, for a report."""
@@ -85,14 +106,24 @@ class Frames:
         back, again = np.diff(times) < 0, np.diff(times) < -SLACK
         if back.mean() > FALLING:
             k = int(np.argmax(back))
-            return f"the animation runs backwards from frame {number[k]:.0f} of {total} on: show it forwards only"
+            return (
+                f"the animation runs backwards from frame {number[k]:.0f} of {total} on: show it forwards"
+                " only"
+            )
         if high - low < n / 2:
             repeatedly = " repeatedly" if again.any() else ""
-            return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{repeatedly}: show the whole motion"
+            return (
+                f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{repeatedly}: show the whole"
+                " motion"
+            )
         if again.any():
             k = int(np.argmax(again))
             speed = (times[k] - times[0]) / max(number[k] - number[0], 1) * (total - 1) / (n - 1)
-            fast = f" runs {'twice' if round(speed, 1) == 2 else f'{speed:.2g} times'} as fast and" if speed > FAST else ""
+            fast = (
+                f" runs {'twice' if round(speed, 1) == 2 else f'{speed:.2g} times'} as fast and"
+                if speed > FAST
+                else ""
+            )
             restart = f"the animation{fast} begins again after frame {number[k]:.0f} of {total}"
             return f"{restart}: show the motion once, from its start to its end"
         first = int(np.argmax(times >= high - 0.5))
@@ -101,27 +132,45 @@ class Frames:
             return f"{early}, and later frames do not change: spread the samples over all frames"
         if high - low >= n - 1 - 2 * SLACK or self.one_each:
             k = int(np.argmax(np.abs(times - (n - 1) * self.fraction)))
-            return f"its samples are mistimed: frame {number[k]:.0f} of {total} shows sample {times[k]:.0f} of {n}"
-        return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn: show the whole motion"
+            return (
+                f"its samples are mistimed: frame {number[k]:.0f} of {total} shows sample {times[k]:.0f}"
+                f" of {n}"
+            )
+        return (
+            f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn: show the"
+            " whole motion"
+        )
 
 
 def _even(value: Array) -> bool:
-    """Return whether rising values (f,) run evenly up to one step or SLACK samples, until they hold their last one."""
+    """Return whether rising values (f,) run evenly up to one step or SLACK samples, until they hold their
+    last one.
+    """
     moving = value[: int(np.argmax(value >= value[-1])) + 1]
     off = np.abs(moving - np.linspace(moving[0], moving[-1], len(moving))).max()
-    return bool(off <= max(float(np.median(np.diff(moving))), SLACK if np.all(value == np.rint(value)) else 0.0))
+    return bool(
+        off <= max(float(np.median(np.diff(moving))), SLACK if np.all(value == np.rint(value)) else 0.0)
+    )
 
 
 def _begins_again(value: Array) -> bool:
-    """Return whether frame values (f,) rise from the first to the last, and then again from the first: they never count down."""
+    """Return whether frame values (f,) rise from the first to the last, and then again from the first: they
+    never count down.
+    """
     steps = np.diff(value)
     falls, reach = steps < 0, 2 * steps.max(initial=0.0)
     low, high = value.min() + reach, value.max() - reach
-    return bool(np.any(steps > 0) and np.all(value[1:][falls] <= low) and np.all(value[:-1][falls] >= high) and low < high)
+    return bool(
+        np.any(steps > 0)
+        and np.all(value[1:][falls] <= low)
+        and np.all(value[:-1][falls] >= high)
+        and low < high
+    )
 
 
 class Fit(NamedTuple):
-    """A fit of paths: ``times`` (f,) in samples and on the ``grid``, within SLACK of ``law`` (f,), and ``coefficients`` (m, v).
+    """A fit of paths: ``times`` (f,) in samples and on the ``grid``, within SLACK of ``law`` (f,), and
+    ``coefficients`` (m, v).
 
     ``misfit`` is that of all paths together, as of ``misfits``.
     """
@@ -134,7 +183,9 @@ class Fit(NamedTuple):
 
 
 def found(basis: Array, drawn: Array, law: Array, limit: float) -> Fit | None:
-    """Return the fit of all paths together if its misfit is at most ``limit`` of their spread, in a few frames and in all."""
+    """Return the fit of all paths together if its misfit is at most ``limit`` of their spread, in a few
+    frames and in all.
+    """
     whole = limit * np.sqrt(np.mean(spread(drawn) ** 2))
     for part in (sparse(len(drawn)), np.arange(len(drawn))):
         fit = fitted(basis, drawn[part], law[part])
@@ -158,7 +209,9 @@ def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
 
 
 def screened(basis: Array, drawn: Array, laws: Array) -> Array:
-    """Return the root mean square residual (k, v) of each path in SPARSE frames, at the unfitted times of each law."""
+    """Return the root mean square residual (k, v) of each path in SPARSE frames, at the unfitted times of
+    each law.
+    """
     few = sparse(len(drawn))
     design = basis[on_grid(laws[:, few], len(basis))].reshape(len(laws), -1, basis.shape[2])
     values, products = drawn[few].reshape(-1, drawn.shape[2]), np.swapaxes(design, 1, 2)
@@ -169,7 +222,9 @@ def screened(basis: Array, drawn: Array, laws: Array) -> Array:
 
 
 def misfits(left: Array) -> Array:
-    """Return the root mean square (v,) of the residuals ``left`` (f, e, v), or WORST of that in one frame if this is more."""
+    """Return the root mean square (v,) of the residuals ``left`` (f, e, v), or WORST of that in one frame if
+    this is more.
+    """
     each = np.mean(left**2, axis=1)
     return np.sqrt(np.maximum(np.mean(each, axis=0), np.max(each, axis=0) / WORST**2))
 
@@ -181,7 +236,11 @@ def spread(drawn: Array) -> Array:
 
 def coefficients_at(basis: Array, drawn: Array, grid: Indices) -> Array:
     """Return coefficients (m, v) by least squares if each frame's time is the given place on the grid."""
-    return np.asarray(np.linalg.lstsq(basis[grid].reshape(-1, basis.shape[2]), drawn.reshape(-1, drawn.shape[2]), rcond=None)[0])
+    return np.asarray(
+        np.linalg.lstsq(
+            basis[grid].reshape(-1, basis.shape[2]), drawn.reshape(-1, drawn.shape[2]), rcond=None
+        )[0]
+    )
 
 
 def sparse(frames: int, number: int = SPARSE) -> Indices:
@@ -196,14 +255,20 @@ def on_grid(times: Array, size: int) -> Indices:
 
 def choices(law: Array, size: int) -> Indices:
     """Return places (f, c) on the grid within SLACK of the law (f,)."""
-    return np.asarray(np.clip(on_grid(law, size)[:, None] + np.arange(-int(SLACK * PER), int(SLACK * PER) + 1), 0, size - 1))
+    return np.asarray(
+        np.clip(on_grid(law, size)[:, None] + np.arange(-int(SLACK * PER), int(SLACK * PER) + 1), 0, size - 1)
+    )
 
 
 def in_order(costs: Array, choices: Indices, law: Array) -> Indices:
-    """Return the cheapest choice for each frame, with times that run back only where the law (f,) does; costs (f, c)."""
+    """Return the cheapest choice for each frame, with times that run back only where the law (f,) does; costs
+    (f, c).
+    """
     total, came = costs[0], []
     for k in range(1, len(costs)):
-        best = np.maximum.accumulate(np.where(total <= np.minimum.accumulate(total), np.arange(len(total)), 0))
+        best = np.maximum.accumulate(
+            np.where(total <= np.minimum.accumulate(total), np.arange(len(total)), 0)
+        )
         place = np.searchsorted(choices[k - 1], choices[k], side="right") - 1
         if law[k] < law[k - 1]:
             place[:] = len(total) - 1

@@ -34,19 +34,25 @@ class Fit(NamedTuple):
 
 
 def followed(seen: Arrays, t: Array, trajectories: Curves, limit: float) -> dict[str, Shown]:
-    """Return for each of the ``trajectories`` (n, 2) or (n, 3), at times (n,), whether something drawn follows it.
+    """Return for each of the ``trajectories`` (n, 2) or (n, 3), at times (n,), whether something drawn
+    follows it.
 
     The misfit of a path is its root mean square distance from the drawn trajectory, relative to the
-    trajectory's extent, or that of the worst frame over timing.WORST if this is more. It is at most ``limit``.
+    trajectory's extent, or that of the worst frame over timing.WORST if this is more. It is at most
+    ``limit``.
     """
 
     def compared(drawn: list[Picture]) -> dict[str, Shown]:
         return _compared(drawn, seen["at"], t, trajectories, limit)
 
-    return remembered(seen, (t, dict(trajectories), limit), lambda: judged(seen, len(t), trajectories, compared))
+    return remembered(
+        seen, (t, dict(trajectories), limit), lambda: judged(seen, len(t), trajectories, compared)
+    )
 
 
-def _compared(drawn: list[Picture], at: Array, t: Array, trajectories: Curves, limit: float) -> dict[str, Shown]:
+def _compared(
+    drawn: list[Picture], at: Array, t: Array, trajectories: Curves, limit: float
+) -> dict[str, Shown]:
     """Return for each trajectory what the pictures show of it."""
     at, t, fine, _ = finely(at, t, np.stack(list(trajectories.values()), axis=2))
     curves = dict(zip(trajectories, np.moveaxis(fine, 2, 0), strict=True))
@@ -54,7 +60,11 @@ def _compared(drawn: list[Picture], at: Array, t: Array, trajectories: Curves, l
     free = [_with_free_paths(picture) for picture in drawn]
     for picture in free:
         shown = _in_picture(picture, curves, frames, limit)
-        found |= {name: one for name, one in shown.items() if name not in found or (one.found and not found[name].found)}
+        found |= {
+            name: one
+            for name, one in shown.items()
+            if name not in found or (one.found and not found[name].found)
+        }
     for name in (name for name in curves if name not in found):
         wrong = instead(free, _mistakes(name, curves[name], frames), frames, limit)
         found[name] = next(wrong, Shown(False, "wrong-motion", f"nothing that moves follows {name}"))
@@ -62,16 +72,29 @@ def _compared(drawn: list[Picture], at: Array, t: Array, trajectories: Curves, l
 
 
 def _with_free_paths(picture: Picture) -> Picture:
-    """Return the picture with each path once, relative to the axes, and first the centres of artists of several points."""
-    points = {(path.artist, np.round(at, 12).tobytes()): at for path in picture.paths for at in [path.places + path.origin]}
-    artists = [np.stack([at for (of, _), at in points.items() if of == artist]) for artist in dict.fromkeys(of for of, _ in points)]
+    """Return the picture with each path once, relative to the axes, and first the centres of artists of
+    several points.
+    """
+    points = {
+        (path.artist, np.round(at, 12).tobytes()): at
+        for path in picture.paths
+        for at in [path.places + path.origin]
+    }
+    artists = [
+        np.stack([at for (of, _), at in points.items() if of == artist])
+        for artist in dict.fromkeys(of for of, _ in points)
+    ]
     centres = [(some.min(axis=0) + some.max(axis=0)) / 2 for some in artists if len(some) > 2]
     moving = [at for at in centres if timing.spread(at[:, :, None])[0] > 0]
-    return picture._replace(paths=[Path(0, at, False, np.zeros(picture.dimensions)) for at in (*moving, *points.values())])
+    return picture._replace(
+        paths=[Path(0, at, False, np.zeros(picture.dimensions)) for at in (*moving, *points.values())]
+    )
 
 
 def _in_picture(picture: Picture, curves: Curves, frames: Frames, limit: float) -> dict[str, Shown]:
-    """Return the trajectories that the paths of one axes follow: the most that one view shows, rather as given."""
+    """Return the trajectories that the paths of one axes follow: the most that one view shows, rather as
+    given.
+    """
     best, found = Fit(np.zeros(0), {}), dict[str, Shown]()
     for mislabelled, fit in _looks(picture, curves, frames.laws, limit):
         if mislabelled:
@@ -80,11 +103,16 @@ def _in_picture(picture: Picture, curves: Curves, frames: Frames, limit: float) 
             best = max(best, fit, key=lambda fit: (len(fit.misfit), fit.as_given))
         if len(fit.misfit) == len(curves):
             break
-    return found | {name: Shown(True, None, frames.covered(best.times), misfit=misfit) for name, misfit in best.misfit.items()}
+    return found | {
+        name: Shown(True, None, frames.covered(best.times), misfit=misfit)
+        for name, misfit in best.misfit.items()
+    }
 
 
 def _looks(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[tuple[str, Fit]]:
-    """Yield how the paths follow curves (G, c), in coordinates as they are or by a projection, and what the labels have wrong."""
+    """Yield how the paths follow curves (G, c), in coordinates as they are or by a projection, and what the
+    labels have wrong.
+    """
     c = next(iter(curves.values())).shape[1]
     for view in cameras.plain(picture.dimensions, picture.plane, c):
         wrong = cameras.mislabelled(picture.plane, view) if view.shape == (2, 3) else ""
@@ -96,11 +124,15 @@ def _looks(picture: Picture, curves: Curves, laws: Array, limit: float) -> Itera
 
 def _by_view(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:
     """Yield how the paths follow curves (G, d), with one scale and origin for all, found from one of them."""
-    constant = np.broadcast_to(np.eye(picture.dimensions), (len(next(iter(curves.values()))), *[picture.dimensions] * 2))
+    constant = np.broadcast_to(
+        np.eye(picture.dimensions), (len(next(iter(curves.values()))), *[picture.dimensions] * 2)
+    )
     bases = {name: np.concatenate([x[:, :, None], constant], axis=2) for name, x in curves.items()}
     for curve in sorted(curves.values(), key=lambda x: -float(np.ptp(x, axis=0).max())):
         for match in matches(picture, curve[:, :, None], laws, limit=limit):
-            yield _together(bases, np.stack([path.places for path in picture.paths])[..., None], match.fit, limit)
+            yield _together(
+                bases, np.stack([path.places for path in picture.paths])[..., None], match.fit, limit
+            )
 
 
 def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:
@@ -113,7 +145,9 @@ def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) 
 
 
 def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit:
-    """Return the trajectories that ``paths`` (v, f, e, c) follow together, beginning with the coefficients and times of one."""
+    """Return the trajectories that ``paths`` (v, f, e, c) follow together, beginning with the coefficients
+    and times of one.
+    """
     chosen = {}
     for name, basis in bases.items():
         off = _misfits(paths, basis[fit.grid] @ fit.coefficients)
@@ -122,7 +156,10 @@ def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit
     while chosen:
         basis = np.concatenate([bases[name] for name in chosen], axis=1)
         fit = timing.fitted(basis, np.concatenate(list(chosen.values()), axis=1), fit.law)
-        misfit = {name: float(_misfits(x[None], bases[name][fit.grid] @ fit.coefficients)[0]) for name, x in chosen.items()}
+        misfit = {
+            name: float(_misfits(x[None], bases[name][fit.grid] @ fit.coefficients)[0])
+            for name, x in chosen.items()
+        }
         worst = max(misfit, key=lambda name: misfit[name])
         if misfit[worst] <= limit:
             given = fit.coefficients[:, 0] - np.eye(len(fit.coefficients))[0]
@@ -132,16 +169,26 @@ def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit
 
 
 def _misfits(paths: Array, drawn: Array) -> Array:
-    """Return the misfits (v,) of ``paths`` (v, f, e, c) to a trajectory as it is ``drawn`` (f, e, c), relative to its extent."""
+    """Return the misfits (v,) of ``paths`` (v, f, e, c) to a trajectory as it is ``drawn`` (f, e, c),
+    relative to its extent.
+    """
     extent = np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2))
-    return timing.misfits(np.moveaxis((paths - drawn).reshape(*paths.shape[:2], -1), 0, 2)) / max(extent, 1e-300)
+    return timing.misfits(np.moveaxis((paths - drawn).reshape(*paths.shape[:2], -1), 0, 2)) / max(
+        extent, 1e-300
+    )
 
 
 def _is_projection(matrix: Array, curve: Array) -> bool:
-    """Return whether a fitted ``matrix`` (2, 3) may be a camera; only its effect on the directions of the curve is known."""
+    """Return whether a fitted ``matrix`` (2, 3) may be a camera; only its effect on the directions of the
+    curve is known.
+    """
     _, sizes, directions = np.linalg.svd(curve - curve.mean(axis=0), full_matrices=False)
     along = directions[sizes > SOME * sizes[0]]
-    return cameras.straightened(matrix) is not None if len(along) == 3 else np.linalg.matrix_rank(matrix @ along.T, SOME) > 0
+    return (
+        cameras.straightened(matrix) is not None
+        if len(along) == 3
+        else np.linalg.matrix_rank(matrix @ along.T, SOME) > 0
+    )
 
 
 def _mistakes(name: str, curve: Array, frames: Frames) -> list[Mistake]:
@@ -155,8 +202,16 @@ def _mistakes(name: str, curve: Array, frames: Frames) -> list[Mistake]:
     late = Mistake("wrong-frames", f"{name} is drawn, but {{}}", curve[:, :, None], frames.late)
     return [
         Mistake("wrong-proportions", elsewhere, curve[:, :, None], frames.laws),
-        *(Mistake("mirrored", f"{name} is drawn with {how}", x[:, :, None], frames.laws) for how, x in mirrors.items()),
-        Mistake("wrong-frames", f"the motion of {name} is drawn backwards in time", curve[::-1, :, None], frames.laws),
+        *(
+            Mistake("mirrored", f"{name} is drawn with {how}", x[:, :, None], frames.laws)
+            for how, x in mirrors.items()
+        ),
+        Mistake(
+            "wrong-frames",
+            f"the motion of {name} is drawn backwards in time",
+            curve[::-1, :, None],
+            frames.laws,
+        ),
         late,
         late._replace(laws=None),
     ]

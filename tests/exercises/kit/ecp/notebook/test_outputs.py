@@ -14,7 +14,14 @@ def document(*cells, **fields):
 
 
 def code(source, **fields):
-    return {"cell_type": "code", "execution_count": 1, "id": "a", "metadata": {}, "outputs": [], "source": source} | fields
+    return {
+        "cell_type": "code",
+        "execution_count": 1,
+        "id": "a",
+        "metadata": {},
+        "outputs": [],
+        "source": source,
+    } | fields
 
 
 def test_outputs_attachments_and_metadata_go_and_the_rest_stays(rigid_body):
@@ -24,7 +31,9 @@ def test_outputs_attachments_and_metadata_go_and_the_rest_stays(rigid_body):
     assert {cell["cell_type"]: sorted(cell) for cell in after["cells"]}["code"] == sorted(
         code("").keys() & before["cells"][-1].keys()
     )
-    assert not any(cell.get("outputs") or cell.get("attachments") or cell["metadata"] for cell in after["cells"])
+    assert not any(
+        cell.get("outputs") or cell.get("attachments") or cell["metadata"] for cell in after["cells"]
+    )
     assert list(after["metadata"]) == ["kernelspec"] and after["nbformat"] == 4
 
 
@@ -45,7 +54,17 @@ def test_a_notebook_without_outputs_is_left_as_it_is():
 
 
 @pytest.mark.parametrize(
-    "text", ["", "x = 1", "[]", "{}", '{"cells": 3}', '{"cells": [3]}', "[" * 100_000, '{"cells": [], "metadata": 3}']
+    "text",
+    [
+        "",
+        "x = 1",
+        "[]",
+        "{}",
+        '{"cells": 3}',
+        '{"cells": [3]}',
+        "[" * 100_000,
+        '{"cells": [], "metadata": 3}',
+    ],
 )
 def test_what_is_no_notebook_is_an_error(text):
     with pytest.raises(ValueError, match="not a Jupyter notebook"):

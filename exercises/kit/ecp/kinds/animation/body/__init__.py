@@ -1,4 +1,5 @@
-"""A rotating body in an animation: attitudes R(t) are given, and a body axis, the angular momentum or a box is drawn.
+"""A rotating body in an animation: attitudes R(t) are given, and a body axis, the angular momentum or a box
+is drawn.
 
 The drawing may have any style and the student's own camera. ``Body`` is the data, ``follows`` and
 ``keeps_momentum`` are checks of a scene that returns the recording of an animation.
@@ -15,7 +16,10 @@ from ecp.outcome import Diagnosis
 
 __all__ = ["Body", "body_shown", "diagnose", "follows", "keeps_momentum", "momentum_shown"]
 
-AGREE = "a direction from a fixed point or points of the body, to 3 % of the path; samples within 1.5 of an even run"
+AGREE = (
+    "a direction from a fixed point or points of the body, to 3 % of the path; samples within 1.5 of an"
+    " even run"
+)
 
 
 def follows(id: str, label: str, scene: str, body: Callable[[Arrays], Body]) -> Check:
@@ -25,7 +29,13 @@ def follows(id: str, label: str, scene: str, body: Callable[[Arrays], Body]) -> 
 
 def keeps_momentum(id: str, label: str, scene: str, body: Callable[[Arrays], Body]) -> Check:
     """Check that what is drawn along the angular momentum of ``body(truth)`` stays there."""
-    return _shows(id, label, scene, lambda seen, truth: momentum_shown(seen, body(truth)), "without torque L is constant in space")
+    return _shows(
+        id,
+        label,
+        scene,
+        lambda seen, truth: momentum_shown(seen, body(truth)),
+        "without torque L is constant in space",
+    )
 
 
 def _shows(id: str, label: str, scene: str, shown: Callable[[Arrays, Arrays], Shown], reason: str) -> Check:

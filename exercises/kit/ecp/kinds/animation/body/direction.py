@@ -1,4 +1,6 @@
-"""What the points that follow a body show: its axis, the body, or another direction; and what resembles the axis."""
+"""What the points that follow a body show: its axis, the body, or another direction; and what resembles the
+axis.
+"""
 
 import numpy as np
 
@@ -31,12 +33,17 @@ def read(match: Match, motion: Motion) -> Shown:
     sizes = np.linalg.svd(units, compute_uv=False)
     if len(sizes) > 1 and sizes[1] >= SPAN * sizes[0]:
         stray = _stray_line(match, axis)
-        return Shown(True, None, f"the body is drawn as it is, {seen}") if stray is None else _other_direction(stray, motion)
+        return (
+            Shown(True, None, f"the body is drawn as it is, {seen}")
+            if stray is None
+            else _other_direction(stray, motion)
+        )
     return _other_direction(units[:, 0], motion)
 
 
 def _stray_line(match: Match, axis: int) -> Array | None:
-    """Return the direction (3,) of a line from a fixed end that is oblique to the axis, if no artist shows the axis itself.
+    """Return the direction (3,) of a line from a fixed end that is oblique to the axis, if no artist shows
+    the axis itself.
 
     An artist shows it by a direction along it, or by three or more points in a plane across it.
     """
@@ -49,7 +56,12 @@ def _stray_line(match: Match, axis: int) -> Array | None:
         across = len(points) > 2 and np.ptp(points[:, axis]) <= PARALLEL * np.abs(points).max()
         if across or np.any(slant >= ALONG):
             return None
-        if bound and len(units) and slant.min() > PARALLEL and np.abs(np.cross(units, units[-1])).max() <= PARALLEL:
+        if (
+            bound
+            and len(units)
+            and slant.min() > PARALLEL
+            and np.abs(np.cross(units, units[-1])).max() <= PARALLEL
+        ):
             stray = units[-1]
     return stray
 
@@ -58,19 +70,26 @@ def _other_direction(unit: Array, motion: Motion) -> Shown:
     k, wanted = int(np.argmax(np.abs(unit))), motion.name
     if np.abs(unit[k]) >= ALONG:
         name = f"{'−' if unit[k] < 0 else ''}{NAMES[k]}"
-        return Shown(False, "wrong-axis", f"the drawing follows {name}, not {wanted}: the axes of the body are the columns of R")
+        return Shown(
+            False,
+            "wrong-axis",
+            f"the drawing follows {name}, not {wanted}: the axes of the body are the columns of R",
+        )
     if motion.unit is not None and cameras.parallel(unit[None], motion.unit):
         sentence = f"the drawing shows R·L, not {wanted}: L is fixed in space, do not apply R to it"
         return Shown(False, "moving-angular-momentum", sentence)
     inside = ", ".join(f"{round(float(x), 2) + 0.0:.2f}" for x in unit)
-    return Shown(False, "wrong-axis", f"the drawing follows the direction ({inside}) of the body, not {wanted}")
+    return Shown(
+        False, "wrong-axis", f"the drawing follows the direction ({inside}) of the body, not {wanted}"
+    )
 
 
 def resembling(picture: Picture, motion: Motion) -> str | None:
-    """Return what the 3-D arrows of ``picture`` from a fixed end do instead of following the axis; None if it is not known.
+    """Return what the 3-D arrows of ``picture`` from a fixed end do instead of following the axis; None if it
+    is not known.
 
-    They turn about L in step with the axis but at another angle, one of their coordinates stays, or they scatter about the
-    path of the axis: the deviation changes its sign from frame to frame.
+    They turn about L in step with the axis but at another angle, one of their coordinates stays, or they
+    scatter about the path of the axis: the deviation changes its sign from frame to frame.
     """
     name, z = motion.name, motion.unit
     if z is None or motion.axis is None or picture.dimensions != 3:
@@ -90,9 +109,15 @@ def resembling(picture: Picture, motion: Motion) -> str | None:
         k = int(np.argmin(np.std(tips, axis=0)))
         if np.std(tips[:, k]) <= STEADY / 4 and np.std(tips, axis=0).max() > STEADY < np.std(exact[:, k]):
             constant = f"the {'xyz'[k]} coordinate of the drawing is constant"
-            return f"{constant}, but {name} circles L, which does not point along {'xyz'[k]}: draw R[:, :, {motion.axis}]"
+            return (
+                f"{constant}, but {name} circles L, which does not point along {'xyz'[k]}: draw R[:, :,"
+                f" {motion.axis}]"
+            )
         left, spread = unit - exact, np.sqrt(np.mean((exact - exact.mean(axis=0)) ** 2))
         size = np.sqrt(np.mean(left**2))
         if np.sqrt(np.mean(np.diff(left, axis=0) ** 2)) > size and size <= SCATTERED * spread:
-            return f"the drawing follows {name} but scatters about its path, by {size / spread:.0%} of it: is noise added?"
+            return (
+                f"the drawing follows {name} but scatters about its path, by {size / spread:.0%} of it: is"
+                " noise added?"
+            )
     return None

@@ -20,7 +20,9 @@ OMEGA = "the drawing follows ω, which moves: L is fixed in space"
 
 
 def momentum_shown(seen: Arrays, body: Body) -> Shown:
-    """Return whether a direction drawn along L of ``body`` stays there, by the camera that draws the body or else as space is."""
+    """Return whether a direction drawn along L of ``body`` stays there, by the camera that draws the body or
+    else as space is.
+    """
     assert body.L is not None
     if not is_consistent(seen):
         return Shown(None, None, INCONSISTENT)
@@ -41,7 +43,11 @@ def momentum_shown(seen: Arrays, body: Body) -> Shown:
         return Shown(False, "reversed-angular-momentum", "the line or arrow for L points along −L")
     if enough and (wrong := next(_instead_of_momentum(drawn, Motion(body, seen["at"]), unit), None)):
         return wrong
-    return Shown(None, None, "no direction along L was found in the lines and arrows of the axes: draw L as a line or an arrow")
+    return Shown(
+        None,
+        None,
+        "no direction along L was found in the lines and arrows of the axes: draw L as a line or an arrow",
+    )
 
 
 def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> Iterator[Shown]:
@@ -50,9 +56,15 @@ def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> I
     axes_stay = motion.axis is not None and any(
         cameras.parallel(picture.directions()[0], M[:, motion.axis]) for picture, M in views
     )
-    moving = ((MOVES, motion.R @ unit), (BODY_AXES if axes_stay else MOVES, unit @ motion.R), (OMEGA, motion.w))
+    moving = (
+        (MOVES, motion.R @ unit),
+        (BODY_AXES if axes_stay else MOVES, unit @ motion.R),
+        (OMEGA, motion.w),
+    )
     code, laws = "moving-angular-momentum", motion.frames.laws
-    yield from instead(drawn, [Mistake(code, how, x[:, :, None], laws, shift=False) for how, x in moving], motion.frames)
+    yield from instead(
+        drawn, [Mistake(code, how, x[:, :, None], laws, shift=False) for how, x in moving], motion.frames
+    )
     for picture, view in views:
         sure = picture.directions()[1]
         if sentence := _fixed_elsewhere(sure[np.any(sure != 0, axis=1)], view, motion, unit):
@@ -74,7 +86,9 @@ def _end_on(picture: Picture) -> bool:
 
 
 def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> str:
-    """Return where the only fixed line points if that is not L. Of several lines, such as axes, none needs to be L."""
+    """Return where the only fixed line points if that is not L. Of several lines, such as axes, none needs to
+    be L.
+    """
     single = len(sure) > 0 and all(cameras.parallel(np.array([one, -one]), sure[0]) for one in sure)
     along = [name for name, direction in zip("xyz", view.T, strict=True) if cameras.parallel(sure, direction)]
     body = view @ (motion.R[0].T @ unit)
@@ -84,4 +98,8 @@ def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> s
         return f"a fixed line points along {along[0]}, but L points along ({L})"
     if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):
         return "the fixed line uses the body components of L: convert them with R·L_body"
-    return f"the only fixed line points along ({line}), but L points along ({L})" if single and not along and len(view) == 3 else ""
+    return (
+        f"the only fixed line points along ({line}), but L points along ({L})"
+        if single and not along and len(view) == 3
+        else ""
+    )

@@ -12,10 +12,11 @@ NAMES = ("ê₁", "ê₂", "ê₃")
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body with attitudes R (n, 3, 3), from body axes to space, at times ``t`` (n,), and what a student draws of it.
+    """A body with attitudes R (n, 3, 3), from body axes to space, at times ``t`` (n,), and what a student
+    draws of it.
 
-    That is the body axis number ``axis``, or for None any points of the body; the angular momentum L (3,) in space
-    if it is given; and a box with half edges ``half`` (3,) along the body axes if these are given.
+    That is the body axis number ``axis``, or for None any points of the body; the angular momentum L (3,) in
+    space if it is given; and a box with half edges ``half`` (3,) along the body axes if these are given.
     """
 
     t: Array
@@ -28,8 +29,8 @@ class Body:
 class Motion:
     """The motion of ``body`` on the grid of times, and the frames ``at`` (f, 3) of its animation.
 
-    Attitudes R (G, 3, 3), and in space the axis ``tip`` (G, 3), the angular velocity w (G, 3) up to its unit, and ``unit`` (3,)
-    along L.
+    Attitudes R (G, 3, 3), and in space the axis ``tip`` (G, 3), the angular velocity w (G, 3) up to its unit,
+    and ``unit`` (3,) along L.
     """
 
     def __init__(self, body: Body, at: Array) -> None:

@@ -1,4 +1,6 @@
-"""A drawing by the student's own camera: turned, not mirrored, and the same for the body, L and the labels."""
+"""A drawing by the student's own camera: turned, not mirrored, and the same for the body,
+L and the labels.
+"""
 
 from collections import Counter, defaultdict
 
@@ -47,7 +49,9 @@ def _checked(picture: Picture, motion: Motion, camera: Array, times: Array) -> V
 
 
 def _beside_momentum(picture: Picture, camera: Array, unit: Array, name: str) -> Shown | None:
-    """Return why the camera does not fit the fixed directions of the picture, of which one should be L; None if it does."""
+    """Return why the camera does not fit the fixed directions of the picture, of which one should be L; None
+    if it does.
+    """
     L, some = camera @ unit, picture.directions()[0]
     seen = bool(np.linalg.norm(L) > PARALLEL)
     for as_it_is in (plain @ unit for plain in cameras.plain(len(camera))):
@@ -59,8 +63,12 @@ def _beside_momentum(picture: Picture, camera: Array, unit: Array, name: str) ->
     if len(camera) == 3 or not seen or picture.keeps(L):
         return None
     if cameras.parallel(some, -L):
-        return Shown(False, "wrong-axis", f"{name} and L are drawn on opposite sides: one of them has the wrong sign")
-    return Shown(None, None, "seen from another side: draw L in the same way, so that the view can be checked")
+        return Shown(
+            False, "wrong-axis", f"{name} and L are drawn on opposite sides: one of them has the wrong sign"
+        )
+    return Shown(
+        None, None, "seen from another side: draw L in the same way, so that the view can be checked"
+    )
 
 
 def _checked_box(picture: Picture, motion: Motion, camera: Array, times: Array) -> View:
@@ -69,16 +77,24 @@ def _checked_box(picture: Picture, motion: Motion, camera: Array, times: Array) 
         sentence = f"a mirror image{how}? The box turned by 180° looks the same: draw x, y and z as they are"
         return camera, Shown(None, "mirrored", sentence)
     match = matched(picture, camera @ motion.R, times[None])
-    return camera, read(match, motion) if match else Shown(True, None, f"drawn as it is, {motion.frames.covered(times)}")
+    return camera, (
+        read(match, motion) if match else Shown(True, None, f"drawn as it is, {motion.frames.covered(times)}")
+    )
 
 
 def _swapped(camera: Array) -> str:
-    """Return how a camera (3, 3) mirrors: by the exchange of two coordinates or a sign, or "" if it is none of these."""
+    """Return how a camera (3, 3) mirrors: by the exchange of two coordinates or a sign, or "" if it is none
+    of these.
+    """
     whole = np.rint(camera)
     if np.abs(camera - whole).max() > PARALLEL:
         return ""
     moved = [k for k in range(3) if not whole[k, k]]
-    return f": {' and '.join('xyz'[k] for k in moved)} are swapped" if len(moved) == 2 else ": the sign of a coordinate is wrong"
+    return (
+        f": {' and '.join('xyz'[k] for k in moved)} are swapped"
+        if len(moved) == 2
+        else ": the sign of a coordinate is wrong"
+    )
 
 
 def _own_camera(picture: Picture, motion: Motion, laws: Array) -> Own | None:
@@ -129,8 +145,8 @@ def _of_body(coefficients: Array, R: Array, drawn: Array) -> Array | None:
     """Return the camera M (d, 3) by which v points of the body are drawn as c + M R p, or None.
 
     M and −M differ by a body turned inside out; the one that does not mirror is returned. ``coefficients``
-    (10, v·d) belong to the nine elements of R and a constant, ``R`` (f, 3, 3) are the attitudes in the frames,
-    ``drawn`` is (f, v, d). M and p are found in turn, from the dyad nearest to the coefficients.
+    (10, v·d) belong to the nine elements of R and a constant, ``R`` (f, 3, 3) are the attitudes in the
+    frames, ``drawn`` is (f, v, d). M and p are found in turn, from the dyad nearest to the coefficients.
     """
     _, v, d = drawn.shape
     tensor = coefficients[:9].reshape(3, 3, v, d)  # [a, b, v, i] = M[i, a] p[v, b]
@@ -148,7 +164,9 @@ def _of_body(coefficients: Array, R: Array, drawn: Array) -> Array | None:
 
 
 def _bodies(picture: Picture) -> list[list[Path]]:
-    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with one or two paths."""
+    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with
+    one or two paths.
+    """
     free, groups = [path for path in picture.paths if not path.bound], defaultdict[int, list[Path]](list)
     owned = Counter(path.artist for path in free)
     for path in free:

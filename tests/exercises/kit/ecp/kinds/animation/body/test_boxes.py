@@ -28,13 +28,17 @@ from tests.support.recordings import (
 
 
 def painted_faces(attitudes, camera, eye=None, seed=0):
-    """What the driver brings of faces in any order; with ``eye`` (3,) of those that are turned to it alone."""
+    """What the driver brings of faces in any order; with ``eye`` (3,) of those that are turned to it
+    alone.
+    """
     draws = np.random.default_rng(seed)
     sets = []
     for attitude in attitudes:
         faces = [face for face in box_polys(attitude, HALF) if eye is None or face.mean(axis=0) @ eye > 0]
         seen = np.unique(np.concatenate(faces), axis=0)
-        sets.append(draws.permutation(np.concatenate([seen, np.repeat(seen[:1], 8 - len(seen), axis=0)])) @ camera.T)
+        sets.append(
+            draws.permutation(np.concatenate([seen, np.repeat(seen[:1], 8 - len(seen), axis=0)])) @ camera.T
+        )
     drawn = frames(list(np.swapaxes(sets, 0, 1)))
     loose = drawn["owners"] * [1, -1, 1] + [1, 0, 0]
     few = {"tracks": np.concatenate([drawn["tracks"][:, :2], drawn["tracks"]], axis=1)}
@@ -51,7 +55,10 @@ def test_a_box_seen_from_anywhere(camera, axis):
     box = np.einsum("ia,fab,cb->cfi", camera, attitudes, CORNERS)
     own = len(camera) == 2 and axis == 2 and camera is ISOMETRIC
     arrow = [line(np.tile(camera @ UNIT, (N, 1)))] if own else []
-    assert body_shown(frames(list(box), *arrow), Body(T, attitudes, axis, None if axis is None else L)).found is True
+    assert (
+        body_shown(frames(list(box), *arrow), Body(T, attitudes, axis, None if axis is None else L)).found
+        is True
+    )
 
 
 @pytest.mark.parametrize(
@@ -73,7 +80,12 @@ def test_wrong_boxes(attitudes, code):
 
 @pytest.mark.parametrize(
     "camera",
-    [SPACE, XY, pytest.param(ISOMETRIC, marks=pytest.mark.slow), pytest.param(CABINET, marks=pytest.mark.slow)],
+    [
+        SPACE,
+        XY,
+        pytest.param(ISOMETRIC, marks=pytest.mark.slow),
+        pytest.param(CABINET, marks=pytest.mark.slow),
+    ],
     ids=["3d", "xy", "isometric", "cabinet"],
 )
 def test_faces_in_any_order(camera):
@@ -102,13 +114,20 @@ def test_a_box_has_the_given_proportions_and_another_body_any(camera):
         return body_shown(frames(list(np.einsum("ia,fab,cb->cfi", camera, TUMBLE, corners))), BOX)
 
     swapped = shown(CORNERS[:, ::-1])
-    assert swapped.code == "wrong-proportions" and "0.2 : 0.7 : 1, but half has 1 : 0.7 : 0.2" in swapped.sentence
+    assert (
+        swapped.code == "wrong-proportions"
+        and "0.2 : 0.7 : 1, but half has 1 : 0.7 : 0.2" in swapped.sentence
+    )
     assert shown(3 * CORNERS).found is True and shown(np.eye(3)).found is True
-    assert shown(np.array([[1, 0.2, 0.1], [-0.3, 0.8, 0.1], [0.2, 0.3, -0.9], [-0.9, 0.1, 0.4]])).found is True
+    assert (
+        shown(np.array([[1, 0.2, 0.1], [-0.3, 0.8, 0.1], [0.2, 0.3, -0.9], [-0.9, 0.1, 0.4]])).found is True
+    )
 
 
 @pytest.mark.parametrize(
-    "camera", [SPACE, VIEW, XY, pytest.param(ISOMETRIC, marks=pytest.mark.slow)], ids=["3d", "turned", "xy", "isometric"]
+    "camera",
+    [SPACE, VIEW, XY, pytest.param(ISOMETRIC, marks=pytest.mark.slow)],
+    ids=["3d", "turned", "xy", "isometric"],
 )
 def test_a_box_turns_about_its_centre_with_its_edges_along_the_body_axes(camera):
     def shown(corners, *more, place=(0, 0, 0), edges=False):
@@ -119,7 +138,9 @@ def test_a_box_turns_about_its_centre_with_its_edges_along_the_body_axes(camera)
     for aside in (HALF, [0, 0, HALF[2]], [2, 0, 0]):
         wrong = shown(0.8 * (CORNERS + aside))
         own = camera is VIEW or camera is ISOMETRIC  # found from points that all move
-        assert wrong.code == "wrong-motion" and ("a point other than its centre" in wrong.sentence or own), wrong
+        assert wrong.code == "wrong-motion" and ("a point other than its centre" in wrong.sentence or own), (
+            wrong
+        )
     assert shown(CORNERS + HALF, edges=True).found is False
     for turned in (CORNERS @ TUMBLE[0], CORNERS @ VIEW):
         wrong = shown(turned)

@@ -51,7 +51,21 @@ CORNER = R @ np.array([1.0, 0.7, 0.2])
         watched(TIP[::2]),
         watched(TIP + 0.005 * np.random.default_rng(2).normal(size=TIP.shape)),
     ],
-    ids=["tip", "scaled", "line", "turned", "body", "plane", "other plane", "foot", "rod", "trail", "disc", "half", "shaky"],
+    ids=[
+        "tip",
+        "scaled",
+        "line",
+        "turned",
+        "body",
+        "plane",
+        "other plane",
+        "foot",
+        "rod",
+        "trail",
+        "disc",
+        "half",
+        "shaky",
+    ],
 )
 def test_right_drawings(seen):
     shown = body_shown(seen, TOP)
@@ -67,7 +81,9 @@ def test_a_line_that_is_not_the_axis_needs_something_beside_it_that_shows_the_ax
     shown = body_shown(frames(line(OBLIQUE), ASKEW), TOP)
     assert shown.found is False and shown.code == "wrong-axis" and "of the body, not ê₃" in shown.sentence
     assert body_shown(frames(line(OBLIQUE), RIM), TOP).found is True, "a disc across the axis"
-    assert body_shown(frames(line(OBLIQUE), [CORNER, CORNER + TIP]), TOP).found is True, "an edge along the axis"
+    assert body_shown(frames(line(OBLIQUE), [CORNER, CORNER + TIP]), TOP).found is True, (
+        "an edge along the axis"
+    )
     assert body_shown(frames(ASKEW), TOP).found is True, "a body of any shape"
 
 
@@ -174,7 +190,11 @@ WRONG = {
     "transposed": (R[:, 2, :], "transposed-rotation", "transposed R"),
     "omega": (L / 1.25 - 0.3 * TIP, "wrong-motion", "follows ω"),
     "backwards": (TIP[::-1], "wrong-motion", "backwards in time"),
-    "noise": (np.random.default_rng(3).normal(size=TIP.shape), "wrong-motion", "nothing that moves follows the body"),
+    "noise": (
+        np.random.default_rng(3).normal(size=TIP.shape),
+        "wrong-motion",
+        "nothing that moves follows the body",
+    ),
     "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "wrong-motion", ""),
     "swapped": (TIP[:, [1, 0, 2]], "mirrored", "x and y are swapped"),
     "mirrored": (TIP * [1, -1, 1], "mirrored", "the sign of a coordinate is wrong"),
@@ -184,10 +204,18 @@ WRONG = {
     "first ten": (TIP[ALL % 10], "wrong-frames", "shows only samples 0–9 of 96 repeatedly"),
     "first tenth": (TIP[ALL // 10], "wrong-frames", "shows only samples 0–9 of 96"),
     "half speed": (TIP[ALL // 2], "wrong-frames", "shows only samples 0–47 of 96"),
-    "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, and later frames do not change"),
+    "double speed": (
+        TIP[np.minimum(2 * ALL, 95)],
+        "wrong-frames",
+        "already shows sample 95 of 96, and later frames do not change",
+    ),
     "twice": (TIP[2 * ALL % 96], "wrong-frames", "begins again after frame"),
     "late": (TIP[(ALL + 40) % 96], "wrong-frames", "begins again after frame"),
-    "shuffled": (TIP[np.random.default_rng(0).permutation(96)], "wrong-frames", "its samples are mistimed: frame"),
+    "shuffled": (
+        TIP[np.random.default_rng(0).permutation(96)],
+        "wrong-frames",
+        "its samples are mistimed: frame",
+    ),
 }
 FLAT = {"mirrored", "swapped", "cyclic"}
 
@@ -198,15 +226,33 @@ def test_wrong_drawings(name, camera):
     tip, code, sentence = WRONG[name]
     seen = frames(line(tip @ camera.T), line(np.tile(camera @ UNIT, (N, 1))))
     shown = body_shown(seen, TOP)
-    if name in ("mirrored", "shifted") and len(camera) == 2 and np.array_equal(tip @ camera.T, TIP @ camera.T):
+    if (
+        name in ("mirrored", "shifted")
+        and len(camera) == 2
+        and np.array_equal(tip @ camera.T, TIP @ camera.T)
+    ):
         assert shown.found is True, "what is wrong is not to be seen in this plane"
     else:
         assert shown.found is False and shown.code == code, shown
-        assert sentence in shown.sentence or (name in FLAT and "coordinates" in shown.sentence), shown.sentence
+        assert sentence in shown.sentence or (name in FLAT and "coordinates" in shown.sentence), (
+            shown.sentence
+        )
 
 
 @pytest.mark.parametrize(
-    "name", ["double speed", "twice", "half speed", "first ten", "e1", "R L", "transposed", "omega", "shuffled", "late"]
+    "name",
+    [
+        "double speed",
+        "twice",
+        "half speed",
+        "first ten",
+        "e1",
+        "R L",
+        "transposed",
+        "omega",
+        "shuffled",
+        "late",
+    ],
 )
 def test_wrong_drawings_by_the_students_own_camera(name):
     tip, code, _ = WRONG[name]
@@ -234,7 +280,11 @@ def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
 def test_what_cannot_be_seen_is_static():
     nothing = watched(np.ones_like(TIP)) | {"visible": np.array([0.0, 1.0])}
     shown = body_shown(nothing, TOP)
-    assert shown.found is False and shown.code == "static" and "nothing that moves can be seen: " in shown.sentence
+    assert (
+        shown.found is False
+        and shown.code == "static"
+        and "nothing that moves can be seen: " in shown.sentence
+    )
     wrong = body_shown(scene(R[:, :, 0]) | {"visible": np.array([0.1, 1.0])}, TOP)
     assert wrong.found is False and "artists that cannot be seen do not count" in wrong.sentence
     assert body_shown(scene(TIP) | {"visible": np.array([0.1, 1.0])}, TOP).found is True
@@ -242,7 +292,9 @@ def test_what_cannot_be_seen_is_static():
 
 def test_what_changes_once_is_static():
     seldom = body_shown(scene(TIP[[0] + (N - 1) * [N - 1]]), TOP)
-    assert seldom.found is False and seldom.code == "static" and "at only 1 of 96 frames" in seldom.sentence, seldom
+    assert (
+        seldom.found is False and seldom.code == "static" and "at only 1 of 96 frames" in seldom.sentence
+    ), seldom
     assert body_shown(scene(TIP * [1, 1, 0] + [0, 0, 0.3]), TOP).code != "static"
 
 
@@ -255,12 +307,19 @@ def test_a_few_frames_show_nothing():
 
 def test_forged_arrays_are_no_fault():
     good = scene(TIP)
-    for forged in ({"owners": np.zeros((5, 3))}, {"at": np.zeros((3, 3))}, {"tracks": np.full((N, 4, 3), 1e200)}):
+    for forged in (
+        {"owners": np.zeros((5, 3))},
+        {"at": np.zeros((3, 3))},
+        {"tracks": np.full((N, 4, 3), 1e200)},
+    ):
         assert body_shown(good | forged, TOP).found is False
         assert momentum_shown(good | forged, TOP).found is None
     rng = np.random.default_rng(5)
     for scale in (1e-300, 1.0, 1e90):
-        wild = {"tracks": scale * rng.normal(size=(N, 4, 3)), "at": np.abs(scale * rng.normal(size=(N, 3))) + 1}
+        wild = {
+            "tracks": scale * rng.normal(size=(N, 4, 3)),
+            "at": np.abs(scale * rng.normal(size=(N, 3))) + 1,
+        }
         assert body_shown(good | wild, TOP).found is not True
         assert momentum_shown(good | wild, TOP).found is not True
 
@@ -275,12 +334,18 @@ def cone(angle):
 ALMOST = {
     "narrow": (cone(0.5), "on a cone of 29° about L"),
     "wide": (cone(1.4), "on a cone of 80° about L"),  # its tip alone is a scaled and shifted ê₃
-    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "the z coordinate of the drawing is constant"),
+    "about z": (
+        np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]),
+        "the z coordinate of the drawing is constant",
+    ),
     "level": (TIP * [1, 1, 0] + [0, 0, TIP[0, 2]], "the z coordinate of the drawing is constant"),
     "noise": (TIP + 0.05 * np.random.default_rng(4).normal(size=TIP.shape), "scatters about its path"),
     "twice": (TIP[2 * ALL % 96], "runs twice as fast and begins again"),
     "omega": (L / 1.25 - 0.3 * TIP, "follows ω"),
-    "omega, unit": ((L / 1.25 - 0.3 * TIP) / np.linalg.norm(L / 1.25 - 0.3 * TIP, axis=1)[:, None], "follows ω"),
+    "omega, unit": (
+        (L / 1.25 - 0.3 * TIP) / np.linalg.norm(L / 1.25 - 0.3 * TIP, axis=1)[:, None],
+        "follows ω",
+    ),
 }
 
 
@@ -294,8 +359,13 @@ def test_what_resembles_the_axis_is_named(name):
 def test_axes_labelled_with_two_coordinates_show_these():
     both = panels(scene(TIP, camera=XY), scene(TIP, camera=XZ), labels=[(0, 0, 1), (1, 0, 2)])
     assert body_shown(both, TOP).found and momentum_shown(both, TOP).found
-    for wrong, said in ((XY, "axes labelled x and z show x and y"), (XZ[::-1], "axes labelled x and z show z and x")):
-        shown = body_shown(panels(scene(TIP, camera=XY), scene(TIP, camera=wrong), labels=[(0, 0, 1), (1, 0, 2)]), TOP)
+    for wrong, said in (
+        (XY, "axes labelled x and z show x and y"),
+        (XZ[::-1], "axes labelled x and z show z and x"),
+    ):
+        shown = body_shown(
+            panels(scene(TIP, camera=XY), scene(TIP, camera=wrong), labels=[(0, 0, 1), (1, 0, 2)]), TOP
+        )
         assert (shown.found, shown.code) == (False, "mirrored") and said in shown.sentence
     assert body_shown(panels(scene(TIP, camera=XY), scene(TIP, camera=XZ[::-1])), TOP).found, "without labels"
     assert body_shown(panels(scene(TIP, camera=XZ), labels=[(0, -1, 2)]), TOP).found, "one label alone"
@@ -346,7 +416,9 @@ def test_what_is_drawn_in_place_of_L_or_stands_still_is_named():
     shown = momentum_shown(frames(line(TIP), line(omega)), TOP)
     assert (shown.found, shown.code) == (False, "moving-angular-momentum") and "follows ω" in shown.sentence
     shown = body_shown(scene(TIP[np.minimum(ALL, 12)]), TOP)
-    assert shown.code == "wrong-frames" and "from frame 12 of 96 on the picture stands still" in shown.sentence, shown
+    assert (
+        shown.code == "wrong-frames" and "from frame 12 of 96 on the picture stands still" in shown.sentence
+    ), shown
 
 
 def test_an_axis_in_perspective():

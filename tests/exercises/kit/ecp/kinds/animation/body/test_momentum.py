@@ -15,7 +15,9 @@ def test_momentum():
     missing = momentum_shown(frames(line(TIP)), TOP)
     assert missing.found is None and "draw L" in missing.sentence
     assert momentum_shown(frames(line(TIP), line(-fixed)), TOP).code == "reversed-angular-momentum"
-    assert momentum_shown(frames(line(TIP), [fixed, 0 * fixed]), TOP).found is True, "a line drawn from its tip"
+    assert momentum_shown(frames(line(TIP), [fixed, 0 * fixed]), TOP).found is True, (
+        "a line drawn from its tip"
+    )
     from_tip = momentum_shown(frames(line(TIP), [-fixed, 0 * fixed]), TOP)
     assert from_tip.code == "reversed-angular-momentum", "as quiver lists its points"
     assert momentum_shown(frames(line(TIP), [-fixed, fixed]), TOP).found is True, "a line to both sides"
@@ -52,8 +54,12 @@ def test_a_fixed_line_that_is_not_L(direction, sentence):
     assert sentence in momentum_shown(frames(line(TIP), arrow), TOP).sentence
     axes_too = frames(line(TIP), *(line(np.tile(axis, (N, 1))) for axis in np.eye(3)))
     assert momentum_shown(axes_too, TOP).code is None, "axes of coordinates are not meant as L"
-    camera = np.array([[-0.6, 0.8, 0], [-0.3, -0.2, 0.9]])  # z is drawn upwards, as the second axis of the paper
-    flat = frames(line(TIP @ camera[:, ::-1].T), *(line(np.tile(axis, (N, 1))) for axis in [*camera.T, camera @ UNIT]))
+    camera = np.array(
+        [[-0.6, 0.8, 0], [-0.3, -0.2, 0.9]]
+    )  # z is drawn upwards, as the second axis of the paper
+    flat = frames(
+        line(TIP @ camera[:, ::-1].T), *(line(np.tile(axis, (N, 1))) for axis in [*camera.T, camera @ UNIT])
+    )
     assert momentum_shown(flat, TOP).code is None, "one of several lines is not meant as L"
 
 

@@ -51,8 +51,11 @@ def main() -> None:
         assert database is not None
         began = time.perf_counter()
         fill(database)
-        print(f"{STUDENTS} students, {STUDENTS * EACH} submissions, {len(ASSIGNMENT.checks())} checks each, inserted in "
-              f"{time.perf_counter() - began:.0f} s; medians of {REPEATS}, goal {GOAL_MS:g} ms")  # fmt: skip
+        took = time.perf_counter() - began
+        print(
+            f"{STUDENTS} students, {STUDENTS * EACH} submissions, {len(ASSIGNMENT.checks())} checks each,"
+            f" inserted in {took:.0f} s; medians of {REPEATS}, goal {GOAL_MS:g} ms"
+        )
         with psycopg.connect(database) as connection, httpx2.Client(base_url=url, timeout=60) as client:
             ids = connection.execute("SELECT id FROM submission LIMIT 2").fetchall()
             for path in (*PAGES, *(f"/submissions/{id}" for (id,) in ids)):
@@ -120,8 +123,8 @@ WITH people AS (
     INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint, submitted_at)
     SELECT gen_random_uuid(), x.id, p.id, s.source, encode(sha256(convert_to(s.source, 'UTF8')), 'hex'),
         'work.py', '', now() - make_interval(hours => 10 - %(n)s)
-    FROM assignment x, people p, (SELECT 'def euler_eqs(t, w, I):' || chr(10) || '    return w * ' || %(n)s AS
-      source) s
+    FROM assignment x, people p,
+      (SELECT 'def euler_eqs(t, w, I):' || chr(10) || '    return w * ' || %(n)s AS source) s
     RETURNING id
 ), tried AS (
     INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)

@@ -32,7 +32,9 @@ from service.sandbox.time_budget import TimeBudget
 RIGHT = """
 def euler_eqs(t, w, I):
     I1, I2, I3 = I
-    return np.array([(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3])
+    return np.array(
+        [(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3]
+    )
 """
 TRIVIAL = Job(
     "import numpy as np",
@@ -71,14 +73,10 @@ def main() -> None:
     latency(without_namespaces := Sandbox(process_isolation()), "the same without namespaces")
     without_namespaces.close()
     cold = statistics.median(timed(lambda: _cold(isolation)) for _ in range(5))
-    print(
-        f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm"
-        " play"
-    )
-    print(
-        f"{'trivial plays, two zygotes':44} {rate([first, second], lambda s: s.play(TRIVIAL)):8.0f} /s     "
-        " goal 100"
-    )
+    times = f"{cold / warm:.0f} times the warm play"
+    print(f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {times}")
+    trivial = rate([first, second], lambda s: s.play(TRIVIAL))
+    print(f"{'trivial plays, two zygotes':44} {trivial:8.0f} /s      goal 100")
     job, inputs, truths = _probing()
     probed = rate([first, second], lambda s: _probe(s, job, inputs, truths))
     print(f"{'two-child probings of 128 points, two zygotes':44} {probed:8.0f} /s      goal 50")
@@ -131,9 +129,8 @@ def memory(sandbox: Sandbox) -> None:
     draws.
     """
     pid = sandbox._zygote._started.process.pid
-    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith(
-        "python"
-    ):  # bubblewrap's own processes
+    # bubblewrap's own processes come first
+    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python"):
         pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
     print(f"{'zygote, resident':44} {_memory(pid, 'Rss') / 1024:8.0f} MB      goal 130")
     for name, source, goal in (
@@ -162,10 +159,8 @@ def kill_latency(sandbox: Sandbox) -> None:
         TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),)
     )
     late = [timed(lambda: sandbox.play(job)) - CLOCK_FACTOR * 0.3 for _ in range(10)]
-    print(
-        f"{'an endless loop ends after its limit by':44} {1e3 * statistics.median(late):8.0f} ms     "
-        " goal 100"
-    )
+    after = 1e3 * statistics.median(late)
+    print(f"{'an endless loop ends after its limit by':44} {after:8.0f} ms      goal 100")
 
 
 def timed(run: Callable[[], object]) -> float:

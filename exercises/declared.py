@@ -21,7 +21,8 @@ ARGUMENTS = "fiubU"  # kinds of dtype
 
 class _Short(reprlib.Repr):
     def repr_Tolerance(self, value: Tolerance, level: int) -> str:
-        return f"Tolerance({', '.join(f'{name}={self.repr(given)}' for name, given in tolerance_data(value).items())})"
+        given = ", ".join(f"{name}={self.repr(of)}" for name, of in tolerance_data(value).items())
+        return f"Tolerance({given})"
 
 
 SHORT = _Short()

@@ -16,8 +16,9 @@ from exercises.validation_cells import Placed, placed_calls, published_cells
 CELL_S, GRADING_S = 60, 600  # CPU time of a cell, and of a grading: cells of a course take up to a minute
 HEAD = '''"""{title}: imported from {file}.
 
-The server runs the notebook's validation cells on what a student's cells computed. Their lines are self-reported and
-carry no points. The comment above a line says what makes it count; docs/authors.md has the questions.
+The server runs the notebook's validation cells on what a student's cells computed. Their lines are
+self-reported and carry no points. The comment above a line says what makes it count; docs/authors.md has the
+questions.
 """
 
 from exercises.author import Notebook, line

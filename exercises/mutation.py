@@ -37,7 +37,10 @@ ALIKE = (
     "real,imag;log,log10;zeros,ones;dot,cross;cumsum,cumprod;deg2rad,rad2deg"
 )
 IN_PLACE_OF = {a: b for pair in ALIKE.split(";") for a, b in (pair.split(","), pair.split(",")[::-1])}
-DROPPED = "sqrt,exp,log,abs,absolute,conj,conjugate,real,floor,int,round,inv,sort,cumsum,radians,deg2rad,fftshift,unwrap"
+DROPPED = (
+    "sqrt,exp,log,abs,absolute,conj,conjugate,real,floor,int,round,inv,sort,cumsum,"
+    "radians,deg2rad,fftshift,unwrap"
+)
 COMMUTATIVE = "min,max,minimum,maximum,hypot,allclose,isclose,isinstance,zip,range"
 
 

@@ -24,7 +24,8 @@ KERNEL = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
     "language_info": {"name": "python"},
 }
-NOTE = """**Install the course kit.** The next cell installs it from the course server; it is imported as `ecp`.
+NOTE = """\
+**Install the course kit.** The next cell installs it from the course server; it is imported as `ecp`.
 The package of that name on the public index is unrelated: never type `pip install ecp`.
 On the server your code can import only {{PACKAGES}}."""
 INSTALL = """%pip install -q {{{{KIT_URL}}}}

@@ -119,11 +119,14 @@ def _sample(assignment: Assignment, file: Path, entry: Mapping[str, Any]) -> Sam
 
 
 LISTS = ("ask", "exercises", "left_out", "fail", "unmeasured", "codes")
-HEAD = """\
-# Expected verdicts of the samples: for each file the exercises asked for (ask; none: those it attempts) and graded (exercises),
-# the checks left_out because their function is not defined, the checks that fail or are unmeasured, and the diagnosis codes.
-# Every other check of those exercises is ✓. `polhode verify` compares; with --write it adds the files that have no entry.
-"""
+HEAD = (
+    "# Expected verdicts of the samples: for each file the exercises asked for (ask; none: those it attempts)"
+    " and graded (exercises),\n"
+    "# the checks left_out because their function is not defined, the checks that fail or are unmeasured,"
+    " and the diagnosis codes.\n"
+    "# Every other check of those exercises is ✓. `polhode verify` compares; with --write it adds the files"
+    " that have no entry.\n"
+)
 
 
 def _expected(assignment: Assignment) -> str | None:

@@ -250,9 +250,9 @@ ATLAS = (
         " is to the vertical",
         gimbal_lock,
         lambda rows: (
-            rows[1]["calls"] > 2.5 * rows[1]["matrix calls"]
-            and rows[-1]["calls"] > 8 * rows[-1]["matrix calls"]
-        ),  # type: ignore[operator]
+            rows[1]["calls"] > 2.5 * rows[1]["matrix calls"]  # type: ignore[operator]
+            and rows[-1]["calls"] > 8 * rows[-1]["matrix calls"]  # type: ignore[operator]
+        ),
     ),
     Entry(
         "gimbal lock of the heavy top",

@@ -21,7 +21,8 @@ import check50.py
 def conserved():
     """energy and angular momentum conserved"""
     student = check50.py.import_("submission.py")
-    euler_eqs, integrate_body, T_rot, L_body = student.euler_eqs, student.integrate_body, student.T_rot, student.L_body
+    euler_eqs, integrate_body = student.euler_eqs, student.integrate_body
+    T_rot, L_body = student.T_rot, student.L_body
     {INTEGRATE}
     if not ({ENERGY}):
         raise check50.Failure("energy drifts")

@@ -41,7 +41,8 @@ class Exercise2(unittest.TestCase):
 
 
 with open(sys.argv[2], "w") as stream:
-    JSONTestRunner(stream=stream, visibility="visible").run(unittest.defaultTestLoader.loadTestsFromTestCase(Exercise2))
+    tests = unittest.defaultTestLoader.loadTestsFromTestCase(Exercise2)
+    JSONTestRunner(stream=stream, visibility="visible").run(tests)
 '''
 
 

@@ -278,20 +278,13 @@ notebook.exercise("6", "The motion of the bead", back, over)
 
 # 7. Truth: the conserved integral gives the time as an integral over θ, which is smooth in another variable.
 def rest_time(theta0, R, g, Omega):
-    def at_rest(t, y, *_):
+    def rest(t, y, *_):
         return y[1]
 
     start = np.array([theta0, 0.0])
-    at_rest.terminal, at_rest.direction = True, -np.sign(hoop_rates(0.0, start, R, g, Omega)[1])
+    rest.terminal, rest.direction = True, -np.sign(hoop_rates(0.0, start, R, g, Omega)[1])
     run = solve_ivp(
-        hoop_rates,
-        (0, 10),
-        start,
-        events=at_rest,
-        args=(R, g, Omega),
-        method="DOP853",
-        rtol=1e-10,
-        atol=1e-10,
+        hoop_rates, (0, 10), start, events=rest, args=(R, g, Omega), method="DOP853", rtol=1e-10, atol=1e-10
     )
     return run.t_events[0][0]
 

@@ -43,16 +43,12 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
     """Return the findings as lines, and whether this machine can grade at isolation level ``least`` or
     stronger.
     """
-    machine = platform.machine()
+    machine, version = platform.machine(), landlock.version()
+    absent = "missing: needs Linux 5.13 and lsm=…,landlock at boot"
+    unfiltered = "" if machine in MACHINES else ": no system-call filter"
     lines = [
-        (
-            f"kernel        {platform.release()} on"
-            f" {machine}{'' if machine in MACHINES else ': no system-call filter'}"
-        ),
-        (
-            "Landlock     "
-            f" {f'version {v}' if (v := landlock.version()) else 'missing: needs Linux 5.13 and lsm=…,landlock at boot'}"
-        ),
+        f"kernel        {platform.release()} on {machine}{unfiltered}",
+        f"Landlock      {f'version {version}' if version else absent}",
         f"user          {'root' if os.geteuid() == 0 else os.geteuid()}",
     ]
     available, reason = try_namespaces(allow_root)
@@ -60,8 +56,8 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
     lines += [f"              try: {advice}" for advice in ([] if available else _advice())]
     try:
         chosen = choose(least, allow_root)
-    except IsolationUnavailable as missing:
-        return [*lines, f"isolation     none: {missing}"], False
+    except IsolationUnavailable as unavailable:
+        return [*lines, f"isolation     none: {unavailable}"], False
     lines.append(f"isolation     {chosen.name}")
     sandbox = Sandbox(chosen)
     try:
@@ -74,18 +70,16 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
         ], False
     finally:
         sandbox.close()
-    absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
+    missing = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
+    names = sorted({name for known in assignments().values() for name in known.packages})
     return [
         *lines,
         f"guest         {sandbox.identity}",
         f"self-test     passed: all {len(FORBIDDEN)} forbidden operations were blocked",
         f"limits        {_limits()}",
-        (
-            "packages     "
-            f" {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}"
-        ),
-        *(f"              {sentence}" for sentence in absent),
-    ], not absent
+        f"packages      {packages.listing(names)}",
+        *(f"              {sentence}" for sentence in missing),
+    ], not missing
 
 
 def _limits() -> str:
@@ -98,9 +92,8 @@ def _limits() -> str:
 def _advice() -> list[str]:
     found = [do for name, (value, do) in SWITCHES.items() if _read(Path("/proc/sys") / name) == value]
     if Path("/.dockerenv").exists() or Path("/run/.containerenv").exists():
-        more = (
-            " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""
-        )  # other users get them in a user namespace
+        # users other than root get these capabilities in a user namespace
+        more = " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""
         found.append(
             f"in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined{more}"
         )

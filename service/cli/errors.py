@@ -36,15 +36,13 @@ def print_error(error: Exception) -> None:
     """Print a sentence for each error of the user or the machine, or the traceback of any other error."""
     if type(error).__name__ == "ValidationError" and getattr(error, "title", "") == "Settings":
         for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
-            name = (
-                "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")
-            )  # an alias has the prefix already
+            # an alias has the prefix already
+            name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")
             place = f"POLHODE_{name}: " if name else ""  # an error of several settings names them itself
             print(f"polhode: {place}{wrong['msg'].removeprefix('Value error, ')}", file=sys.stderr)
     elif SENTENCES & {kind.__name__ for kind in type(error).__mro__}:
         named = isinstance(error, OSError) and error.filename is not None and error.strerror
-        print(
-            f"polhode: {error.filename}: {error.strerror}" if named else f"polhode: {error}", file=sys.stderr
-        )  # type: ignore[attr-defined]
+        sentence = f"{error.filename}: {error.strerror}" if named else error  # type: ignore[attr-defined]
+        print(f"polhode: {sentence}", file=sys.stderr)
     else:
         traceback.print_exc()

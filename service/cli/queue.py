@@ -39,9 +39,8 @@ def add_regrade(parser: argparse.ArgumentParser) -> None:
 
 def add_assign(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.argument_default = (
-        argparse.SUPPRESS
-    )  # distinguishes an option that is not given from one that removes a limit
+    # distinguishes an option that is not given from one that removes a limit
+    parser.argument_default = argparse.SUPPRESS
     parser.add_argument("slug", help="slug of the assignment")
     parser.add_argument(
         "--due",

@@ -62,9 +62,8 @@ def escape(arguments: argparse.Namespace) -> Callable[[str], str] | None:
     """Return a function that keeps GitHub Actions from reading printed lines as commands; None outside GitHub
     Actions.
     """
-    in_actions = (
-        arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"
-    )  # for example in pre-commit's hook
+    # the variable tells it for example in pre-commit's hook
+    in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"
     if not in_actions:
         return None
     from service.formats.github import escape_commands

@@ -172,6 +172,6 @@ def _details(file: GradedFile) -> str:
         )
     of = report.summary() if report else ("system fault" if file.fault is not None else "no submission")
     return (
-        f"<details><summary>{code(file.file.as_posix()[-200:])}:"
-        f" {escaped(of)}</summary>\n\n{body}\n</details>\n\n"
+        f"<details><summary>{code(file.file.as_posix()[-200:])}: {escaped(of)}</summary>\n\n"
+        f"{body}\n</details>\n\n"
     )

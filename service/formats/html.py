@@ -17,7 +17,8 @@ body{margin:1.5rem auto;max-width:75rem;padding:0 1rem}
 h1{font-size:1.3rem}
 .wide{overflow-x:auto}
 table{border-collapse:collapse}
-th,td{padding:.1rem .45rem;text-align:center;border-bottom:1px solid color-mix(in srgb,currentColor 20%,transparent)}
+th,td{padding:.1rem .45rem;text-align:center;
+border-bottom:1px solid color-mix(in srgb,currentColor 20%,transparent)}
 th:first-child{text-align:left;white-space:nowrap}
 thead th:nth-child(n+3){writing-mode:vertical-rl;font-weight:normal}
 .pass{color:var(--p)}
@@ -85,7 +86,5 @@ def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:
 def _page(title: str, body: str) -> str:
     head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     head += f"<title>{escape(title)}</title><style>{_STYLE}</style>"
-    return (
-        "<!doctype html>\n<html"
-        f' lang="en"><head>{head}</head><body><h1>{escape(title)}</h1>{body}</body></html>\n'
-    )
+    body = f"<h1>{escape(title)}</h1>{body}"
+    return f'<!doctype html>\n<html lang="en"><head>{head}</head><body>{body}</body></html>\n'

@@ -72,9 +72,12 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
     results = CounterMetricFamily("polhode_results", "Results by status.", labels=["status"])
     verdicts = CounterMetricFamily("polhode_verdicts", "Counted checks by verdict.", labels=["verdict"])
     for family, name, value in (
-        (results, "graded", sums.graded), (results, "faulted", sums.faulted), (results, "cancelled", sums.cancelled),
-        (verdicts, "pass", made.passed), (verdicts, "other", made.counted - made.passed),
-    ):  # fmt: skip
+        (results, "graded", sums.graded),
+        (results, "faulted", sums.faulted),
+        (results, "cancelled", sums.cancelled),
+        (verdicts, "pass", made.passed),
+        (verdicts, "other", made.counted - made.passed),
+    ):
         family.add_metric([name], value)
     runs = GaugeMetricFamily(
         "polhode_runs", "Runs by end reason; a lost run may still report a result.", labels=["ending"]

@@ -39,8 +39,8 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
     for number, count in enumerate(counts):
         x, height = LEFT + across * width * number, _height(count, tallest)
         if count:
-            marks.append(Markup('<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" class="bar"></rect>').format(
-                x + 1, HIGH - BOTTOM - height, across * width - 2, height))  # fmt: skip
+            bar = Markup('<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" class="bar"></rect>')
+            marks.append(bar.format(x + 1, HIGH - BOTTOM - height, across * width - 2, height))
             marks.append(_TEXT.format(x + across * width / 2, HIGH - BOTTOM - height - 4, "middle", count))
         marks.append(
             _TEXT.format(

@@ -52,11 +52,8 @@ DATA = "."
 there.
 """
 Level = Literal["namespaces", "process"]
-LAYERS = (
-    "landlock",
-    "seccomp",
-    "limits",
-)  # applied by each child; bubblewrap adds namespaces around the zygote
+# applied by each child; bubblewrap adds namespaces around the zygote
+LAYERS = ("landlock", "seccomp", "limits")
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -92,10 +89,8 @@ class Isolation:
     @property
     def name(self) -> str:
         """Return the level and its layers as reports show them."""
-        return (
-            f"{self.level}:"
-            f" {', '.join(self.layers) or 'no layers'}{' (the guest runs as root)' if self.stays_root else ''}"
-        )
+        user = " (the guest runs as root)" if self.stays_root else ""
+        return f"{self.level}: {', '.join(self.layers) or 'no layers'}{user}"
 
     @property
     def command(self) -> tuple[str, ...]:

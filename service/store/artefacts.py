@@ -30,15 +30,15 @@ WITH given AS (
     SELECT * FROM unnest(CAST(:names AS text[]), CAST(:marks AS text[]),
     CAST(:contents AS bytea[])) one (name, sha256, content)
 ), stored AS (
-    INSERT INTO artefact (sha256, content) SELECT sha256, content FROM given ORDER BY sha256 ON CONFLICT
-    DO NOTHING
+    INSERT INTO artefact (sha256, content) SELECT sha256, content FROM given ORDER BY sha256
+    ON CONFLICT DO NOTHING
 ), own AS (
     INSERT INTO grading_artefact (grading_id, name, sha256) SELECT :grading, name, sha256 FROM given
     ON CONFLICT DO NOTHING
 )
 INSERT INTO grading_artefact (grading_id, name, sha256)
-SELECT :grading, name, sha256 FROM unnest(CAST(:shared AS text[]), CAST(:shared_marks AS text[])) one (name,
-    sha256)
+SELECT :grading, name, sha256 FROM unnest(CAST(:shared AS text[]), CAST(:shared_marks AS text[]))
+    one (name, sha256)
     JOIN artefact USING (sha256)
 ON CONFLICT DO NOTHING RETURNING name
 """

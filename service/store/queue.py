@@ -122,8 +122,8 @@ ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
 
 _OPEN_BEFORE = """
 SELECT a.id, a.kind, (
-    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT
-    JOIN result r ON r.grading_id = b.id
+    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id
+    LEFT JOIN result r ON r.grading_id = b.id
     WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.grading_id IS NULL
     AND (b.requested_at, b.id) < (a.requested_at, a.id)
 ) AS open

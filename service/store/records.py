@@ -108,8 +108,8 @@ EACH_SHOWN = """(
     SELECT DISTINCT ON (s.id) s.id, s.assignment_id, s.person_id, s.filename, s.submitted_at, s.late,
     a.id AS grading, r.fault,
         r.score, r.max_score, r.grading_id IS NOT NULL AS finished, r.finished_at, r.version
-    FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview LEFT
-    JOIN result r ON r.grading_id = a.id
+    FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview
+    LEFT JOIN result r ON r.grading_id = a.id
     WHERE (CAST(:slug AS text) IS NULL OR s.assignment_id = (SELECT id FROM assignment WHERE slug = :slug))
         AND (CAST(:person AS text) IS NULL OR s.person_id = (SELECT id FROM person WHERE name = :person))
     ORDER BY s.id, r.score IS NOT NULL DESC, a.number DESC

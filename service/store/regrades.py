@@ -201,8 +201,8 @@ WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.
 """
 
 _DECIDE = """
-UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp() WHERE id = :id
-    AND decided IS NULL
+UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp()
+WHERE id = :id AND decided IS NULL
 """
 
 _OPEN = """

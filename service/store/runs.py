@@ -211,8 +211,8 @@ _FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CO
 _RESULT = f"""
 WITH stored AS (
     INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
-    VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT
-    DO NOTHING RETURNING run_id
+    VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s)
+    ON CONFLICT DO NOTHING RETURNING run_id
 ), ended AS (
     INSERT INTO run (id, grading_id, worker, phase, ended_at, end_reason)
     SELECT run_id, :grading, :worker, 'starting', now(), 'finished' FROM stored

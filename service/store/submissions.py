@@ -46,8 +46,8 @@ async def register(database: Database, catalogue: Iterable[Assignment]) -> None:
 
 
 _REGISTER = """
-INSERT INTO assignment (course_id, slug) SELECT id, :slug FROM course WHERE slug = :course ON CONFLICT
-    DO NOTHING
+INSERT INTO assignment (course_id, slug) SELECT id, :slug FROM course WHERE slug = :course
+    ON CONFLICT DO NOTHING
 """
 
 _REGISTER_VERSION = """
@@ -187,8 +187,8 @@ WITH stored AS (
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
 SELECT :grading, id, 1, :kind, :seed, :max_runs, clock_timestamp() FROM stored
 RETURNING (
-    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT
-    JOIN result r ON r.grading_id = b.id
+    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id
+    LEFT JOIN result r ON r.grading_id = b.id
     WHERE t.person_id = :person AND b.kind = :kind AND r.grading_id IS NULL
 ) AS open
 """

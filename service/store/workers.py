@@ -143,8 +143,8 @@ DELETE FROM procrastinate_jobs WHERE id IN (
             SELECT FROM procrastinate_events e
             WHERE e.job_id = j.id AND e.type = 'started' AND {_RECENT.format("e.at", _SPAN)})
         AND NOT EXISTS (
-            SELECT FROM run WHERE run.grading_id = (j.args->>'attempt')::uuid AND run.end_reason IS DISTINCT
-            FROM 'lost'
+            SELECT FROM run WHERE run.grading_id = (j.args->>'attempt')::uuid AND run.end_reason
+            IS DISTINCT FROM 'lost'
                 AND ({_RECENT.format("run.heartbeat_at", _SPAN)} OR {_RECENT.format("run.ended_at", _SPAN)}))
     FOR UPDATE OF j SKIP LOCKED
 ) RETURNING args->>'attempt' AS grading, task_name,

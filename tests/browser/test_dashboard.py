@@ -424,7 +424,9 @@ def test_every_export_is_downloaded_and_can_be_read(seen_by):
 
 # the second one when the answer to the first replaces the page
 TWO_CLICKS = """() => {
-    const [first, second] = ["ann", "ben"].map(name => document.querySelector(`[aria-label="Cancel the grading of ${name}"]`));
+    const [first, second] = ["ann", "ben"].map(
+        name => document.querySelector(`[aria-label="Cancel the grading of ${name}"]`),
+    );
     addEventListener("pagehide", () => second.click());
     first.click();
 }"""

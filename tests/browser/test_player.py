@@ -10,8 +10,9 @@ SLUG = "/v1/assignments/rigid-body/submissions"
 REVERSED = "def euler_eqs(t, w, I):\n    return -np.cross(I * w, w) / I\n"
 PIXELS = "canvas => canvas.toDataURL()"
 SECURE = {"content-security-policy": "default-src 'self'; img-src 'self' data:"}
-BARE = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>bare</title><link rel="icon" href="data:,">
-<link rel="stylesheet" href="/static/polhode.css"><script type="module" src="/static/polhode.js"></script></head>
+BARE = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>bare</title>
+<link rel="icon" href="data:,"><link rel="stylesheet" href="/static/polhode.css">
+<script type="module" src="/static/polhode.js"></script></head>
 <body><header><nav></nav></header><main>%s</main></body></html>"""
 
 
@@ -196,7 +197,8 @@ def test_what_is_focused_or_opened_stays_when_a_part_is_renewed_and_a_lost_conne
     page.get_by_text("Connection lost").wait_for()
 
 
-ROWS = """<label data-js hidden>Filter <input type="search" data-filter="people"></label><table id="people" data-rows><tbody>
+ROWS = """<label data-js hidden>Filter <input type="search" data-filter="people"></label>
+<table id="people" data-rows><tbody>
 <tr><th scope="row"><a href="/static/polhode.css">Zoë</a></th></tr>
 <tr><th scope="row"><a href="/static/polhode.js">Ben</a></th></tr>
 <tr><th scope="row"><a href="/static/player.js">Bea</a></th></tr></tbody></table>"""

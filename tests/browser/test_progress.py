@@ -13,7 +13,8 @@ pytestmark = pytest.mark.slow  # tests/service/http/test_live.py has the events
 DROP = """files => {
     const dataTransfer = new DataTransfer();
     for (const [name, content] of files) dataTransfer.items.add(new File([content], name));
-    document.querySelector(".upload").dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    const drop = new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true });
+    document.querySelector(".upload").dispatchEvent(drop);
 }"""
 
 

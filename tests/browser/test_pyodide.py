@@ -23,7 +23,11 @@ from exercises import wheel
 pytestmark = pytest.mark.slow  # it starts a browser and downloads 6 MB
 PYODIDE = "pyodide@314.0.7"
 EULER = """def euler_eqs(t, w, I):
-    return [(I[1] - I[2]) * w[1] * w[2] / I[0], (I[2] - I[0]) * w[2] * w[0] / I[1], (I[0] - I[1]) * w[0] * w[1] / I[2]]
+    return [
+        (I[1] - I[2]) * w[1] * w[2] / I[0],
+        (I[2] - I[0]) * w[2] * w[0] / I[1],
+        (I[0] - I[1]) * w[0] * w[1] / I[2],
+    ]
 """
 WORKER = """
 import { loadPyodide } from "./pyodide.mjs";
@@ -37,7 +41,9 @@ onmessage = async ({ data: { action, argument } }) => {
       if (argument.packages.length) await pyodide.loadPackage(argument.packages);
       postMessage({ result: pyodide.version });
     } else {
-      postMessage({ result: String(action === "wait" ? await pyodide.runPythonAsync(argument) : pyodide.runPython(argument)) });
+      const waits = action === "wait";
+      const result = waits ? await pyodide.runPythonAsync(argument) : pyodide.runPython(argument);
+      postMessage({ result: String(result) });
     }
   } catch (error) { postMessage({ error: String(error) }); }
 };

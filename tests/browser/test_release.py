@@ -12,7 +12,8 @@ BASE = "/assignments/rigid-body"
 
 
 def test_scores_are_held_back_and_released(seen_by, application, url):
-    path = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗', '2-momentum': '✓'}))}"
+    verdicts = {"2-energy": "✗", "2-momentum": "✓"}
+    path = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', verdicts))}"
     ann, prof = seen_by("ann", "student", path), seen_by("prof", "instructor", f"{BASE}/class/settings")
     assert "1 of 36 + 6 bonus points" in " ".join(ann.locator("main").inner_text().split())
     prof.get_by_label("Scores and reports").select_option("manually")

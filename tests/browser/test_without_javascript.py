@@ -22,7 +22,8 @@ def visit(page, seen_by):
 
 @pytest.fixture
 def submission(url):
-    return f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗', '2-momentum': '✓', '2-motion': '✗'}))}"
+    verdicts = {"2-energy": "✗", "2-momentum": "✓", "2-motion": "✗"}
+    return f"/submissions/{run(url, lambda database: hand_in(database, 'ann', verdicts))}"
 
 
 def rejected(page, field, reason):

@@ -265,7 +265,8 @@ def branches(q, d, C, m, M):
     found = []
     for one in q:
         z = 1 + np.exp(-2j * one * d)
-        found.append(np.sort(np.linalg.eigvals([[2 * C / m, -C * z / m], [-C * np.conj(z) / M, 2 * C / M]]).real))
+        matrix = [[2 * C / m, -C * z / m], [-C * np.conj(z) / M, 2 * C / M]]
+        found.append(np.sort(np.linalg.eigvals(matrix).real))
     return np.sqrt(found).T
 """
     ),

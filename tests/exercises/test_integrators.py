@@ -198,8 +198,8 @@ def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
         (
             "symplectic_step",
             (
-                "new = [b + h * a for a, b in zip(acc(x), v)]\n    return [a + h * b for a, b in zip(x,"
-                " new)], new"
+                "new = [b + h * a for a, b in zip(acc(x), v)]\n"
+                "    return [a + h * b for a, b in zip(x, new)], new"
             ),
         ),
         (
@@ -233,8 +233,8 @@ def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
         (
             "final_error",
             (
-                "y = (1, 0)\n    for k in range(n): y = step(acc, *y, 5 / n)\n    return abs(complex(*y) -"
-                " np.exp(-5j))"
+                "y = (1, 0)\n    for k in range(n): y = step(acc, *y, 5 / n)\n"
+                "    return abs(complex(*y) - np.exp(-5j))"
             ),
         ),
         (

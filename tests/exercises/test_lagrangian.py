@@ -232,7 +232,8 @@ def cart(theta, w, M, m, l, g):
     x, f = sp.Function("x")(t), sp.Function("f")(t)
     bx, by = x + l * sp.sin(f), -l * sp.cos(f)
     L = M * x.diff(t)**2 / 2 + m * (bx.diff(t)**2 + by.diff(t)**2) / 2 - m * g * by
-    found = sp.solve([sp.diff(L, c.diff(t)).diff(t) - sp.diff(L, c) for c in (x, f)], [x.diff(t, 2), f.diff(t, 2)])
+    equations = [sp.diff(L, c.diff(t)).diff(t) - sp.diff(L, c) for c in (x, f)]
+    found = sp.solve(equations, [x.diff(t, 2), f.diff(t, 2)])
     return sp.Matrix([found[c.diff(t, 2)] for c in (x, f)]).subs(f.diff(t), w).subs(f, theta)
 """
     ),
@@ -275,7 +276,8 @@ def rest_time(theta0, R, g, Omega):
     other = 2*g/(R*Omega**2) - np.cos(theta0)
     end = np.arccos(other) if other < 1 else -theta0
     mid, half = (theta0 + end) / 2, (theta0 - end) / 2
-    return abs(quad(lambda p: half*np.cos(p) / np.sqrt(abs(square(mid + half*np.sin(p)))), -np.pi/2, np.pi/2, epsrel=1e-9)[0])
+    inner = lambda p: half*np.cos(p) / np.sqrt(abs(square(mid + half*np.sin(p))))
+    return abs(quad(inner, -np.pi/2, np.pi/2, epsrel=1e-9)[0])
 """
     ),
     "rest_time, by a dense solution": (
@@ -284,7 +286,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 def rest_time(theta0, R, g, Omega):
     f = lambda t, y: [y[1], (Omega**2 * np.cos(y[0]) - g / R) * np.sin(y[0])]
-    run = solve_ivp(f, (0, 10), [theta0, 0], rtol=1e-9, atol=1e-10, method="LSODA", dense_output=True, max_step=0.05)
+    options = {"method": "LSODA", "dense_output": True, "max_step": 0.05}
+    run = solve_ivp(f, (0, 10), [theta0, 0], rtol=1e-9, atol=1e-10, **options)
     v, t = run.y[1], run.t
     k = next(k for k in range(2, len(v)) if v[k] * v[1] < 0)
     return brentq(lambda s: run.sol(s)[1], t[k - 1], t[k])

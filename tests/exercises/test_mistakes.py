@@ -56,8 +56,8 @@ def test_a_change_of_one_node_is_named_at_its_place(toolbox, sandbox):
         (
             "1",
             (
-                "from scipy.optimize import bisect\ndef find_root(f, a, b, tol): return bisect(f, a, b,"
-                " xtol=1e-13) / 2"
+                "from scipy.optimize import bisect\n"
+                "def find_root(f, a, b, tol): return bisect(f, a, b, xtol=1e-13) / 2"
             ),
         ),
     ],
@@ -80,7 +80,8 @@ WITH_DATA = """
 from exercises.author import Notebook, Tolerance, mistake, uniform
 from exercises.kinds.values import values
 
-notebook = Notebook("Data", setup="import numpy as np\\nFACTOR = np.loadtxt('factor.csv')", data=("factor.csv",))
+SETUP = "import numpy as np\\nFACTOR = np.loadtxt('factor.csv')"
+notebook = Notebook("Data", setup=SETUP, data=("factor.csv",))
 FACTOR = 2.0
 
 
@@ -90,7 +91,8 @@ def scaled(x):
 
 NEAR = Tolerance(limit=1e-12, reason="rounding")
 wrong = [mistake("FACTOR * x", "FACTOR + x", "wrong-operator", "the factor is added")]
-notebook.exercise("1", "Scaling", values(scaled, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR, mistakes=wrong))
+shared = {"ask": {"x": uniform(0, 1)}, "truth": lambda x: x + x, "agree": NEAR}
+notebook.exercise("1", "Scaling", values(scaled, **shared, mistakes=wrong))
 """
 
 

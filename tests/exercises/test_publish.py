@@ -129,13 +129,13 @@ def emptied(sections, source, *tags):
         ("class A: x = 1", "class A:\n    ..."),
         (
             (
-                '@dataclass\nclass A(B):\n    """Doc."""\n\n    x: float\n    y: float = 1\n    z = 3\n\n   '
-                " @property\n    def p(self):\n        return 1\n\n    class C:\n        def q(self):"
-                " return 2\n"
+                '@dataclass\nclass A(B):\n    """Doc."""\n\n    x: float\n    y: float = 1\n    z = 3\n\n'
+                "    @property\n    def p(self):\n        return 1\n\n    class C:\n"
+                "        def q(self): return 2\n"
             ),
             (
-                '@dataclass\nclass A(B):\n    """Doc."""\n    x: float\n    y: float = 1\n\n    @property\n  '
-                "  def p(self):\n        ...\n\n    class C:\n        def q(self):\n            ...\n"
+                '@dataclass\nclass A(B):\n    """Doc."""\n    x: float\n    y: float = 1\n\n    @property\n'
+                "    def p(self):\n        ...\n\n    class C:\n        def q(self):\n            ...\n"
             ),
         ),
     ],
@@ -147,8 +147,8 @@ def test_a_definition_keeps_its_signature_docstring_and_decorators(sections, sou
 
 def test_a_tagged_cell_keeps_only_the_emptied_definitions_and_the_names_that_others_read(sections):
     source = (
-        "import secret\ndef helper(x): return x\ndef f(x): return helper(x)\nT, L = f(1), 2\nfor k in"
-        " range(3): L += k"
+        "import secret\ndef helper(x): return x\ndef f(x): return helper(x)\nT, L = f(1), 2\n"
+        "for k in range(3): L += k"
     )
     assert emptied(sections, source, "solution") == "def f(x):\n    ..."
     text = published(
@@ -266,7 +266,8 @@ names = {{}}
 for cell in json.load(open({file!r}))["cells"]:
     source = "".join(cell["source"])
     if cell["cell_type"] == "code" and "ecp.submit" not in source:
-        last, code = source.rpartition("\\n")[2], "\\n".join(line for line in source.split("\\n") if not line.startswith("%"))
+        lines = source.split("\\n")
+        last, code = lines[-1], "\\n".join(line for line in lines if not line.startswith("%"))
         exec(code, names)
         if last.startswith("ecp.check"):
             print(*(outcome.verdict.value for outcome in eval(last, names).outcomes()))

@@ -188,7 +188,8 @@ POLAR = """
 def brownian(walkers, t, D, rng):
     r = np.sqrt(rng.exponential(4 * D * np.diff(t), size=(walkers, len(t) - 1)))
     angle = rng.uniform(0, 2 * np.pi, size=r.shape)
-    return np.insert(np.cumsum(np.stack([r * np.cos(angle), r * np.sin(angle)], axis=-1), axis=1), 0, 0, axis=1)
+    steps = np.stack([r * np.cos(angle), r * np.sin(angle)], axis=-1)
+    return np.insert(np.cumsum(steps, axis=1), 0, 0, axis=1)
 """
 MIRRORED = """
 def walk(walkers, steps, p, rng):

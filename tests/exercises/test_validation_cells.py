@@ -79,8 +79,8 @@ def test_the_student_defines_what_the_lines_read(tmp_path):
 
 def test_a_call_knows_the_numbers_that_its_text_gives():
     source = (
-        'validate.close(a, b, "one")\nvalidate.below(a, 2 * 1e-3, "two")\nvalidate.conserved(a, "three",'
-        " rel_drift=3 * sigma)"
+        'validate.close(a, b, "one")\nvalidate.below(a, 2 * 1e-3, "two")\n'
+        'validate.conserved(a, "three", rel_drift=3 * sigma)'
     )
     assert [(call.numbers, call.computed) for call in calls(source)] == [
         ((("rtol", 1e-6), ("atol", 1e-9)), ()),

@@ -128,8 +128,8 @@ def test_amplitudes_spectrum_and_frequencies_have_other_definitions_that_agree()
 
 BRENT = "from scipy.optimize import brentq\n    return brentq(f, a, b, xtol=tol)"
 RIDDER = (
-    "from scipy import optimize\n    return optimize.root_scalar(f, bracket=[a, b], method='ridder',"
-    " xtol=tol).root"
+    "from scipy import optimize\n"
+    "    return optimize.root_scalar(f, bracket=[a, b], method='ridder', xtol=tol).root"
 )
 LOOPS = """N = len(u) - 1
     new = [0] * (N + 1)
@@ -177,7 +177,8 @@ QUOTIENT = """def w(k):
     return (w(k * 1.00001) - w(k * 0.99999)) / (0.00002 * k)"""
 ITERATED = """k = max(w**2 / 9.81, w / (9.81 * d) ** 0.5)
     for _ in range(60):
-        k -= (9.81 * k * np.tanh(k * d) - w**2) / (9.81 * (np.tanh(k * d) + k * d * (1 - np.tanh(k * d) ** 2)))
+        slope = 9.81 * (np.tanh(k * d) + k * d * (1 - np.tanh(k * d) ** 2))
+        k -= (9.81 * k * np.tanh(k * d) - w**2) / slope
     return k"""
 
 
@@ -253,8 +254,8 @@ REAL = ALL_POINTS.replace("np.linalg.eigvals(M)", "np.linalg.eigvals(M).real")
 def test_what_is_right_for_some_inputs_only_is_refused(name, body):
     source = f"def {name}({', '.join(QUESTIONS[name].ask)}):\n    {body}\n"
     source += (
-        "\ndef by_arcsin(m, N, r):\n    return 2 * np.arcsin(r * np.sin(m * np.pi / 2 / N)) / (r * m * np.pi"
-        " / N)\n"
+        "\ndef by_arcsin(m, N, r):\n"
+        "    return 2 * np.arcsin(r * np.sin(m * np.pi / 2 / N)) / (r * m * np.pi / N)\n"
     )
     assert any(failed(judged(question, source)) for question in ALL if question.function == name)
 
@@ -266,8 +267,8 @@ def test_an_unguarded_secant_leaves_the_interval():
 
 def test_bisection_is_right_but_needs_more_calls_than_allowed():
     body = (
-        "while b - a > tol:\n        m = (a + b) / 2\n        a, b = (m, b) if f(m) < 0 else (a, m)\n   "
-        " return (a + b) / 2"
+        "while b - a > tol:\n        m = (a + b) / 2\n        a, b = (m, b) if f(m) < 0 else (a, m)\n"
+        "    return (a + b) / 2"
     )
     outcomes = judged(QUESTIONS["find_root"], f"def find_root(f, a, b, tol):\n    {body}\n")
     assert failed(outcomes) == {"1-1-calls", "1-1-new-calls"} and outcomes["1-1-calls"].measured == 38

@@ -15,8 +15,8 @@ ENGINE = '[engine]\nlock_type = "file"\nevents_logger = "file"\n'
 # Where cgroups are of both versions crun does nothing, and a machine's own limits may be lower than what
 # podman asks for.
 OLDER = (
-    '{engine}runtime = "runc"\n[containers]\ndefault_ulimits = ["nofile={files}:{files}",'
-    ' "nproc={tasks}:{tasks}"]\n'
+    '{engine}runtime = "runc"\n[containers]\n'
+    'default_ulimits = ["nofile={files}:{files}", "nproc={tasks}:{tasks}"]\n'
 )
 # What Docker's profile keeps from a container without CAP_SYS_ADMIN, and podman's does not.
 NAMESPACES = {
@@ -66,8 +66,8 @@ class Podman:
             raise Failed(f"{program} {' '.join(words)[:200]} took longer than {seconds:g} s") from None
         if told.returncode != 0:
             raise Failed(
-                f"{program} {' '.join(words)[:200]} ended with"
-                f" {told.returncode}:\n{(told.stdout + told.stderr)[-4000:]}"
+                f"{program} {' '.join(words)[:200]} ended with {told.returncode}:\n"
+                f"{(told.stdout + told.stderr)[-4000:]}"
             )
         return told.stdout
 

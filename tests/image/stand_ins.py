@@ -16,7 +16,8 @@ export PATH="$(echo /usr/lib/postgresql/*/bin):$PATH"
 data=/var/lib/postgresql/data
 if [ ! -s "$data/PG_VERSION" ]; then
     echo "$POSTGRES_PASSWORD" > /tmp/password
-    initdb --pgdata="$data.new" --username="$POSTGRES_USER" --pwfile=/tmp/password --auth=scram-sha-256 --encoding=UTF8 --locale=C
+    initdb --pgdata="$data.new" --username="$POSTGRES_USER" --pwfile=/tmp/password \
+        --auth=scram-sha-256 --encoding=UTF8 --locale=C
     rm /tmp/password
     echo "host all all all scram-sha-256" >> "$data.new/pg_hba.conf"
     echo "CREATE DATABASE $POSTGRES_USER" | postgres --single -D "$data.new" postgres

@@ -85,8 +85,8 @@ def test_every_diagnosis_code_is_documented_and_every_documented_one_has_a_sourc
     assert documented == {*rigid_body.codes, *of_the_guest, *mutation.CODES}
 
 
-GLOSSARY = """assignment, exercise, scene, check, outcome, verdict, margin, diagnosis, mistake, sample, submission, grading, run,
-report, sandbox, guest / host, isolation level, scene end, system fault"""
+GLOSSARY = """assignment, exercise, scene, check, outcome, verdict, margin, diagnosis, mistake, sample,
+submission, grading, run, report, sandbox, guest / host, isolation level, scene end, system fault"""
 
 
 @pytest.mark.parametrize("word", GLOSSARY.replace("\n", " ").split(", "))

@@ -176,8 +176,8 @@ def test_the_flags_that_are_tried_are_those_that_are_documented():
 
 def test_chart_without_numba_says_so_as_in_the_image():
     program = (
-        "import sys; sys.modules['numba'] = None; from service.cli.__main__ import"
-        " main\nsys.exit(main(['chart', 'stability']))"
+        "import sys; sys.modules['numba'] = None; from service.cli.__main__ import main\n"
+        "sys.exit(main(['chart', 'stability']))"
     )
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert told.returncode == 2 and told.stderr.endswith(

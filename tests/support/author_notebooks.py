@@ -25,12 +25,19 @@ G = {"t": uniform(0, 3), "g": uniform(1, 20)}
 SIGN = 1.0
 
 notebook.exercise(
-    "1", "Speed", values(speed, ask=G, truth=lambda t, g: t * g, agree=EXACT, mistakes=[mistake("g * t", "g / 7.25")])
+    "1",
+    "Speed",
+    values(speed, ask=G, truth=lambda t, g: t * g, agree=EXACT, mistakes=[mistake("g * t", "g / 7.25")]),
 )
 notebook.exercise(
     "2",
     "Height",
-    values(height, ask=G | {"h": 100.0}, truth=lambda t, g, h: h - 0.5 * g * t * t, agree=Tolerance(atol=1e-11, reason="rounding")),
+    values(
+        height,
+        ask=G | {"h": 100.0},
+        truth=lambda t, g, h: h - 0.5 * g * t * t,
+        agree=Tolerance(atol=1e-11, reason="rounding"),
+    ),
 )
 '''
 
@@ -51,8 +58,8 @@ def code(source, *tags, **fields):
 
 
 SPEED = code(
-    'def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    # g t\n    return SIGN *'
-    " g * t",
+    'def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    # g t\n'
+    "    return SIGN * g * t",
     "solution",
 )
 HEIGHT = code("def height(t, g, h):\n    return h - g * t**2 / 2\n\n\nprint(height(1.0, 9.81, 100.0))")

@@ -16,16 +16,16 @@ SOLUTIONS = (
 )
 CHECKS = (
     (
-        'validate.close(double(total), 20, "twice the sum is 20")\nvalidate.check(total > 0, "the sum is'
-        ' positive", f"sum {total}")\n'
+        'validate.close(double(total), 20, "twice the sum is 20")\n'
+        'validate.check(total > 0, "the sum is positive", f"sum {total}")\n'
     ),
     (
-        'for n, power in enumerate(powers):\n    validate.close(power, 2**n, f"2 to the power {n}",'
-        " rtol=1e-12)\n"
+        "for n, power in enumerate(powers):\n"
+        '    validate.close(power, 2**n, f"2 to the power {n}", rtol=1e-12)\n'
     ),
     (
-        'validate.close(area, np.pi, "the series is near π", rtol=1e-3)\nvalidate.positive(area, label="the'
-        ' area is positive")\n'
+        'validate.close(area, np.pi, "the series is near π", rtol=1e-3)\n'
+        'validate.positive(area, label="the area is positive")\n'
     ),
 )
 

@@ -20,7 +20,9 @@ from service.cli.demo import free_port
 # What the owner of a JupyterHub (4.0 or later) adds to jupyterhub_config.py so that kernels may hand in.
 ADVISED = """\
 c.JupyterHub.load_roles = [{"name": "user", "scopes": ["self", "access:services!service=polhode"]}]
-c.Spawner.server_token_scopes = ["users:activity!user", "access:servers!server", "access:services!service=polhode"]
+c.Spawner.server_token_scopes = [
+    "users:activity!user", "access:servers!server", "access:services!service=polhode"
+]
 """
 
 CONFIG = """
@@ -59,7 +61,10 @@ c.JupyterHub.bind_url = c.JupyterHub.hub_bind_url = f"http://127.0.0.1:{PORT}"
 c.JupyterHub.cookie_secret = os.urandom(32)
 c.JupyterHub.db_url = f"sqlite:///{FOLDER}/hub.sqlite"
 c.JupyterHub.log_level = "WARN"
-c.JupyterHub.services = [{"name": "tests", "api_token": TOKEN}, {"name": "polhode", "api_token": SERVICE_TOKEN}]
+c.JupyterHub.services = [
+    {"name": "tests", "api_token": TOKEN},
+    {"name": "polhode", "api_token": SERVICE_TOKEN},
+]
 c.JupyterHub.load_roles = [
     *c.JupyterHub.get("load_roles", []),
     {"name": "tests", "services": ["tests"], "scopes": ["admin:users", "admin:servers", "tokens"]},

@@ -158,7 +158,8 @@ class Tampering:
         if self.how == "signed with what everybody knows":
             public = urllib.request.urlopen(f"{told['iss']}/jwks", timeout=10).read()
             signed = f"{_encoded({'alg': 'HS256'})}.{claims}"
-            return f"{signed}.{base64.urlsafe_b64encode(hmac.digest(public, signed.encode(), 'sha256')).rstrip(b'=').decode()}"
+            made = base64.urlsafe_b64encode(hmac.digest(public, signed.encode(), "sha256"))
+            return f"{signed}.{made.rstrip(b'=').decode()}"
         if self.how == "other claims":
             return f"{head}.{_encoded(told | {'preferred_username': 'prof'})}.{signature}"
         if self.how in _SIGNED:

@@ -29,7 +29,8 @@ COMMENT = "Compare the sign of each component with Euler's equations in section 
 SCROLLED = """async () => {
     const height = document.documentElement.scrollHeight;
     for (let y = 0; y < height; y += 600) { scrollTo(0, y); await new Promise(r => setTimeout(r, 80)); }
-    const loaded = image => image.complete || !image.checkVisibility() || new Promise(r => { image.onload = image.onerror = r; });
+    const loaded = image => image.complete || !image.checkVisibility()
+        || new Promise(r => { image.onload = image.onerror = r; });
     await Promise.all([...document.images].map(loaded));
     scrollTo(0, 0);
 }"""

@@ -186,8 +186,8 @@ def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -
     )
     if done.returncode != 0:
         raise Refused(
-            f"{' '.join(map(str, command[:6]))} ended with"
-            f" {done.returncode}:\n{(done.stdout + done.stderr)[-2000:]}"
+            f"{' '.join(map(str, command[:6]))} ended with {done.returncode}:\n"
+            f"{(done.stdout + done.stderr)[-2000:]}"
         )
     return done.stdout
 

@@ -21,18 +21,22 @@ mkdir {folder}/upper {folder}/work {folder}/root
 mount -t overlay overlay -o lowerdir=/,upperdir={folder}/upper,workdir={folder}/work {folder}/root
 cd {folder}/root
 mkdir -p opt/polhode/bin opt/polhode/lib/python3.11/site-packages
-mount -t overlay overlay -o lowerdir={wheel}:{venv}/lib/python3.11/site-packages opt/polhode/lib/python3.11/site-packages
+mount -t overlay overlay -o lowerdir={wheel}:{venv}/lib/python3.11/site-packages \\
+    opt/polhode/lib/python3.11/site-packages
 ln -s /usr/bin/python3 opt/polhode/bin/python3
 printf "home = /usr/bin\\ninclude-system-site-packages = false\\n" > opt/polhode/pyvenv.cfg
-printf "#!/opt/polhode/bin/python3\\nimport sys\\nfrom service.cli.__main__ import main\\nsys.exit(main())\\n" \\
-    > opt/polhode/bin/polhode
+printf "#!/opt/polhode/bin/python3\\nimport sys\\n" > opt/polhode/bin/polhode
+printf "from service.cli.__main__ import main\\nsys.exit(main())\\n" >> opt/polhode/bin/polhode
 chmod 755 opt/polhode/bin/polhode
 mount -t proc proc proc
 mount --bind proc/sys proc/sys
 mount -o remount,bind,ro proc/sys
 mount -t tmpfs tmpfs run
 mount -t tmpfs tmpfs dev
-for device in null zero full random urandom tty; do touch dev/$device; mount --bind /dev/$device dev/$device; done
+for device in null zero full random urandom tty; do
+    touch dev/$device
+    mount --bind /dev/$device dev/$device
+done
 mkdir dev/shm
 mount -t tmpfs tmpfs dev/shm
 mount -t tmpfs tmpfs sys

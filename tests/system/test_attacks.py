@@ -82,8 +82,8 @@ VERDICTS = (
 LEVELS = ("namespaces", "process")
 CANARY = "CANARY-7f3a-swordfish"
 RIGHT = (
-    "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) /"
-    " np.asarray(I)\n"
+    "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n"
+    "    return -np.cross(w, np.asarray(I) * w) / np.asarray(I)\n"
 )
 PRELUDE = """
 import ctypes as _ctypes, os as _os
@@ -99,7 +99,8 @@ def attempt(label, action):
     else:
         print("ESCAPED", label, repr(answer)[:200])
 def raw(number, *arguments):
-    answer = _libc.syscall(_ctypes.c_long(number), *(_ctypes.c_long(a) if isinstance(a, int) else a for a in arguments))
+    given = (_ctypes.c_long(a) if isinstance(a, int) else a for a in arguments)
+    answer = _libc.syscall(_ctypes.c_long(number), *given)
     if answer < 0:
         raise OSError(_ctypes.get_errno(), _os.strerror(_ctypes.get_errno()))
     return answer

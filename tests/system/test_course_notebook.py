@@ -58,8 +58,8 @@ def test_what_is_not_filled_in_costs_only_itself(form, rigid_body, sandbox):
 FORGED = """
 import json, os, struct
 def claim(**changed):
-    header = {"kind": "check", "label": "forged", "detail": "", "unfit": "", "left_out": "", "cell": "submission.py", "numbers": {}}
-    header |= {"arrays": {"condition": []}} | changed
+    header = {"kind": "check", "label": "forged", "detail": "", "unfit": "", "left_out": ""}
+    header |= {"cell": "submission.py", "numbers": {}, "arrays": {"condition": []}} | changed
     head = json.dumps(header).encode()
     payload = struct.pack("<H", len(head)) + head + struct.pack("<d", 1.0)
     os.write(4, struct.pack("<cI", b"C", len(payload)) + payload)

@@ -268,12 +268,12 @@ def test_a_loop_that_stops_early_proves_nothing(sums, sandbox):
 IMPORTS = 'from ecp import validate\nvalidate.close(total, 10, "ten")\n'
 PATCHES = (
     (
-        "import ecp.validate as w\nold = w.close\nw.close = lambda got, expected, *a, **k: old(expected,"
-        " expected, *a, **k)\n"
+        "import ecp.validate as w\nold = w.close\n"
+        "w.close = lambda got, expected, *a, **k: old(expected, expected, *a, **k)\n"
     ),
     (
-        "import ecp, types\nv = ecp.validate\necp.validate = types.SimpleNamespace(close=lambda g, e, label:"
-        " v.close(e, e, label))\n"
+        "import ecp, types\nv = ecp.validate\n"
+        "ecp.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
     ),
     "import sys\nsys._getframe = None\n",
     "import sys\nsys.modules['ecp'] = None\n",

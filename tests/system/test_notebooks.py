@@ -19,12 +19,16 @@ from tests.support.server import WebApplication
 
 pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
 SETUP = (
-    "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import"
-    " FuncAnimation\nimport ecp\n"
+    "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import FuncAnimation\n"
+    "import ecp\n"
 )
 EULER = """\
 def euler_eqs(t, w, I):
-    return np.array([(I[1] - I[2]) * w[1] * w[2] / I[0], (I[2] - I[0]) * w[2] * w[0] / I[1], (I[0] - I[1]) * w[0] * w[1] / I[2]])
+    return np.array([
+        (I[1] - I[2]) * w[1] * w[2] / I[0],
+        (I[2] - I[0]) * w[2] * w[0] / I[1],
+        (I[0] - I[1]) * w[0] * w[1] / I[2],
+    ])
 """
 HELPED = "def euler_eqs(t, w, I):\n    return np.array([rate(w, I, i) for i in range(N)])\n"
 HELPER = (

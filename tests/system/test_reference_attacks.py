@@ -31,7 +31,8 @@ YRANAC = "{CANARY[::-1]}"  # backwards: the searches shall not find their own te
 libc = ctypes.CDLL(None, use_errno=True)
 libc.syscall.restype = ctypes.c_long
 def search(label, *found):
-    texts = [x.decode("latin-1") if isinstance(x, bytes) else x if isinstance(x, str) else repr(x) for x in found]
+    found = [x.decode("latin-1") if isinstance(x, bytes) else x for x in found]
+    texts = [x if isinstance(x, str) else repr(x) for x in found]
     if any(YRANAC in text[::-1] for text in texts):
         print("ESCAPED", label)
 def search_code(label, code):
@@ -113,17 +114,24 @@ ATTACKS = {
     "kernel": (
         """
         def raw(number, *arguments):
-            found = libc.syscall(*(ctypes.c_long(a) if isinstance(a, int) else a for a in (number, *arguments)))
+            given = (ctypes.c_long(a) if isinstance(a, int) else a for a in (number, *arguments))
+            found = libc.syscall(*given)
             if found < 0:
                 raise OSError(ctypes.get_errno(), "")
             return found
         buffer = ctypes.create_string_buffer(64)
         here, there = ((ctypes.c_size_t * 2)(at, 64) for at in (ctypes.addressof(buffer), id(YRANAC)))
-        CALLS = [("ptrace", 101, (16, "pid", 0, 0)), ("process_vm_readv", 310, ("pid", here, 1, there, 1, 0))]
-        CALLS += [("kill", 62, ("pid", 9)), ("tgkill", 234, ("pid", "pid", 9)), ("pidfd_open", 434, ("pid", 0))]
+        CALLS = [
+            ("ptrace", 101, (16, "pid", 0, 0)),
+            ("process_vm_readv", 310, ("pid", here, 1, there, 1, 0)),
+            ("kill", 62, ("pid", 9)),
+            ("tgkill", 234, ("pid", "pid", 9)),
+            ("pidfd_open", 434, ("pid", 0)),
+        ]
         for pid in range(os.getpid() - 6, os.getpid() + 7):
             for label, number, arguments in CALLS if pid != os.getpid() else ():
-                if attempt(label, lambda: raw(number, *[pid if x == "pid" else x for x in arguments])) is not None:
+                given = [pid if x == "pid" else x for x in arguments]
+                if attempt(label, lambda: raw(number, *given)) is not None:
                     print("ESCAPED", label, pid)
         """
     ),
@@ -141,11 +149,14 @@ ATTACKS = {
             os.write(5, struct.pack("<II", len(text), len(text)) + text)
             length, header = struct.unpack("<II", os.read(5, 8))
             return os.read(5, length)
-        for target in ("eval", "exec", "__import__", "open", "globals", "later", "step.__code__", "?", 0, 1, 2, -1):
+        names = ("eval", "exec", "__import__", "open", "globals", "later", "step.__code__", "?")
+        for target in (*names, 0, 1, 2, -1):
             for value in ("1", f"step.__code__.co_consts", 0):
                 search("call", ask("call", target, ["tuple", value], ["dict"]))
-        for node in (["function", 0, "f"], ["function", -1, "__import__"], ["dict", ["__class__", "x"]], ["complex", 1, 2]):
-            search("value", ask("call", "step", ["tuple", node, 1], ["dict"]) if node[0] != "function" else b"")
+        nodes = ["function", 0, "f"], ["function", -1, "__import__"], ["dict", ["__class__", "x"]]
+        for node in (*nodes, ["complex", 1, 2]):
+            safe = node[0] != "function"
+            search("value", ask("call", "step", ["tuple", node, 1], ["dict"]) if safe else b"")
         search("raise", ask("call", "step", ["tuple", "text", "x"], ["dict"]))
         """
     ),
@@ -279,8 +290,8 @@ def test_both_processes_are_charged_and_each_has_the_limit(sandboxes):
     """The submission computes for 0.4 s, then the reference until the kernel ends it after about a second."""
     reference = ReferenceFunctions(("step",), "def step(f, x):\n    for _ in iter(int, 1): pass\n")
     source = (
-        "import time\ndef later(x):\n    while time.process_time() < before + 0.4: pass\n    return step(abs,"
-        " x)\n"
+        "import time\ndef later(x):\n    while time.process_time() < before + 0.4: pass\n"
+        "    return step(abs, x)\n"
     )
     cells = (Cell("submission.py", f"{source}before = time.process_time()\n"),)
     requests = (SceneRequest("s0", "ask", "later", {"x": 1.0}, {"x": ArraySpec(())}, 5.0, None),)

@@ -226,8 +226,14 @@ def within(
     A shape that differs is judged as by ``close``.
 
     >>> check = within(
-    ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
-    ...     measured=lambda seen: seen["w"], expected=lambda truth: truth["w"], scale=lambda truth: truth["w"].max(),
+    ...     "2-motion",
+    ...     "ω(t) follows the exact motion",
+    ...     "run",
+    ...     measured=lambda seen: seen["w"],
+    ...     expected=lambda truth: truth["w"],
+    ...     scale=lambda truth: truth["w"].max(),
+    ...     limit=1e-9,
+    ...     reason="of the largest |ω|",
     ... )
     >>> print(check.judge([{"w": np.array([2.0, 4.0])}], [{"w": np.array([2.0, 5.0])}]).line)
     ✗  ω(t) follows the exact motion   [max|Δ|/scale = 0.2 (limit 1e-09)]
@@ -264,7 +270,12 @@ def conserved(
     A series that starts at zero must stay zero. Fewer than two values fail.
 
     >>> check = conserved(
-    ...     "2-energy", "T is conserved", "run", series=lambda seen: seen["w"][0] ** 2, limit=1e-6, reason="the course's limit"
+    ...     "2-energy",
+    ...     "T is conserved",
+    ...     "run",
+    ...     series=lambda seen: seen["w"][0] ** 2,
+    ...     limit=1e-6,
+    ...     reason="the course's limit",
     ... )
     >>> print(check.judge([{"w": np.array([[1.0, 1.0, 1.0]])}], [{}]).line)
     ✓  T is conserved   [max relative drift = 0 (limit 1e-06)]
@@ -291,7 +302,12 @@ def below(
     An empty array fails.
 
     >>> check = below(
-    ...     "6-momentum", "L stays fixed", "run", measured=lambda seen: np.ptp(seen["L"]), limit=1e-8, reason="integration error"
+    ...     "6-momentum",
+    ...     "L stays fixed",
+    ...     "run",
+    ...     measured=lambda seen: np.ptp(seen["L"]),
+    ...     limit=1e-8,
+    ...     reason="integration error",
     ... )
     >>> print(check.judge([{"L": np.array([4.0, 4.5])}], [{}]).line)
     ✗  L stays fixed   [got 0.5 (limit 1e-08)]

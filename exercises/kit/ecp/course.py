@@ -189,7 +189,8 @@ def _origins(slugs: Iterable[str]) -> set[str]:
 
 def _kit_address(slug: str) -> str:
     origins = _origins([slug]) or _origins(slugs())
-    return f"{min(origins) if origins else 'https://…'}/kit/polhode_kit_{slug.replace('-', '_')}-{KIT}-py3-none-any.whl"
+    server, name = min(origins) if origins else "https://…", slug.replace("-", "_")
+    return f"{server}/kit/polhode_kit_{name}-{KIT}-py3-none-any.whl"
 
 
 def _has_checks(slug: str) -> bool:

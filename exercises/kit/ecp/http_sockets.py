@@ -36,13 +36,10 @@ def stream(url: str, headers: Mapping[str, str], silence: float) -> Iterator[byt
     """Yield the chunks of an event stream as they arrive, until it ends, fails, or is silent for ``silence``
     seconds.
     """
-    with (
-        suppress(OSError, HTTPException),
-        _open(Request(url, None, dict(headers)), silence) as response,
-    ):  # noqa: S310
-        if response.status == 200 and _lower(response).get("content-type", "").startswith(
-            "text/event-stream"
-        ):
+    request = Request(url, None, dict(headers))  # noqa: S310
+    with suppress(OSError, HTTPException), _open(request, silence) as response:
+        kind = _lower(response).get("content-type", "")
+        if response.status == 200 and kind.startswith("text/event-stream"):
             while chunk := response.read1(CHUNK):
                 yield chunk
 

@@ -151,15 +151,11 @@ class Report:
         and the exercises not attempted.
         """
         if self.local:
-            points = (
-                f"{self.score} of {self.most}"
-                f" {'points of the public checks' if self.weighted else 'public checks ✓'}"
-            )
+            what = "points of the public checks" if self.weighted else "public checks ✓"
+            points = f"{self.score} of {self.most} {what}"
         else:
-            of = (
-                f"{self.out_of}"
-                f" points{' of the attempted exercises' if self.total is None and self.max_points is None else ''}"
-            )
+            attempted = self.total is None and self.max_points is None
+            of = f"{self.out_of} points{' of the attempted exercises' if attempted else ''}"
             public = [o for o in self.outcomes() if o.counted and not o.hidden]
             passed = sum(o.verdict is Verdict.PASS for o in public)
             points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"

@@ -22,13 +22,15 @@ MOST_LINKS = 3  # of the checks of an exercise that are listed with a cause
 _DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8;--chart:invert(.9) hue-rotate(180deg)}"
 _STYLE = (
     """
-.polhode:not(#_){--p:#00674c;--f:#a33c00;--q:#5a5a5a;font:14px/1.5 var(--jp-ui-font-family,system-ui,sans-serif);
+.polhode:not(#_){--p:#00674c;--f:#a33c00;--q:#5a5a5a;
+font:14px/1.5 var(--jp-ui-font-family,system-ui,sans-serif);
 color:var(--jp-ui-font-color1,var(--vscode-editor-foreground,inherit));
 ul{list-style:none;padding:0;margin:.2em 0}
 ol{padding:0 0 0 1.6em;margin:.2em 0}
 li{margin:0 0 .15em}
 h4{margin:.6em 0 .2em;font-size:1em;font-weight:600}
-code{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace);white-space:pre-wrap;background:none;padding:0;color:inherit}
+code{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace);white-space:pre-wrap;
+background:none;padding:0;color:inherit}
 .line{display:block;padding-left:3ch;text-indent:-3ch;white-space:pre-wrap}
 .line{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace)}
 .pass>.line{color:var(--p)}
@@ -45,7 +47,8 @@ td,th{text-align:left;vertical-align:top}}
     + f"""
 :is([data-jp-theme-light="false"],.vscode-dark,.vscode-high-contrast:not(.vscode-high-contrast-light),
 html[theme="dark"]) .polhode:not(#_){_DARK}
-@media (prefers-color-scheme:dark){{:root:not([theme],:has([data-jp-theme-light],body[class*="vscode-"])) .polhode:not(#_){_DARK}}}
+@media (prefers-color-scheme:dark){{
+:root:not([theme],:has([data-jp-theme-light],body[class*="vscode-"])) .polhode:not(#_){_DARK}}}
 """
 )
 

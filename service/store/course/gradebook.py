@@ -83,12 +83,12 @@ SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0)
     best.filename, best.submitted_at,
     best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'no submission') AS status,
     best.score, best.points,
-    coalesce(best.penalty, 0) AS penalty, best.final, best.max_score, coalesce(best.overridden,
-    false) AS overridden,
-    best.version, best.grading, coalesce(history.sent_at, '{{}}') AS sent_at, coalesce(history.earned,
-    '{{}}') AS earned
-FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT
-    JOIN best ON best.person_id = p.id
+    coalesce(best.penalty, 0) AS penalty, best.final, best.max_score,
+    coalesce(best.overridden, false) AS overridden,
+    best.version, best.grading, coalesce(history.sent_at, '{{}}') AS sent_at,
+    coalesce(history.earned, '{{}}') AS earned
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+    LEFT JOIN best ON best.person_id = p.id
     LEFT JOIN history ON history.person_id = p.id
 WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
@@ -98,8 +98,8 @@ _OVERVIEW = f"""
 SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, x.scores_release, x.scores_released_at,
     x.details_release,
     x.details_released_at, coalesce(class.students, 0) AS students,
-    coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open,
-    0) AS open,
+    coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions,
+    coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades, (
         SELECT count(*) FROM regrade_request q JOIN submission s ON s.id = q.submission_id
@@ -115,8 +115,8 @@ FROM assignment x JOIN course c ON c.id = x.course_id
         FROM (
             SELECT s.assignment_id, s.person_id, bool_or(r.grading_id IS NULL) AS open,
             bool_and(r.fault IS NOT NULL) AS fault
-            FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview LEFT
-            JOIN result r ON r.grading_id = a.id
+            FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview
+            LEFT JOIN result r ON r.grading_id = a.id
             WHERE CAST(:slug AS text) IS NULL OR s.assignment_id = (SELECT id FROM assignment
             WHERE slug = :slug)
             GROUP BY s.id

@@ -32,8 +32,8 @@ SELECT s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE}, s
     s.finished_at, given.points, given.overridden, {status("s")}, coalesce(cut.penalty, 0) AS penalty,
     {FINAL} AS final,
     {SCORES_RELEASED}
-FROM {EACH_SHOWN} JOIN assignment x ON x.id = s.assignment_id LEFT
-    JOIN {points("given", "s.grading", "s.score")}
+FROM {EACH_SHOWN} JOIN assignment x ON x.id = s.assignment_id
+    LEFT JOIN {points("given", "s.grading", "s.score")}
     LEFT JOIN {PENALTY}
 """
 

@@ -113,8 +113,8 @@ FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS entry (name, role)
 WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND entry.role IS NOT NULL
 """
 _ABOUT = """
-UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name), email = coalesce(entry.email,
-    p.email),
+UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name),
+    email = coalesce(entry.email, p.email),
     student_id = coalesce(entry.student_id, p.student_id)
 FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]),
     CAST(:student_id AS text[]))

@@ -16,8 +16,8 @@ WHERE m.role = 'student' GROUP BY x.slug
 """
 
 _OWN = f"""
-SELECT x.slug, x.weight, x.grace_s, x.submission_limit, until.due_at, coalesce(until.due_at > x.due_at,
-    false) AS extended,
+SELECT x.slug, x.weight, x.grace_s, x.submission_limit, until.due_at,
+    coalesce(until.due_at > x.due_at, false) AS extended,
     coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over, last.status,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id
     AND NOT {FAULTED}) AS used

@@ -178,8 +178,8 @@ def _tidy(code: str) -> str:
 _INSERT = """
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
 SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
-FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest,
-    prefix)
+FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[]))
+    AS new (name, digest, prefix)
     JOIN person p USING (name)
 """
 _FIND = """
@@ -197,8 +197,8 @@ WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid)
 """
 _REVOKE_OWN = """
 UPDATE token t SET revoked_at = now() FROM person p
-WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t.id = :id AND p.name = :person
-    RETURNING t.id
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now()
+    AND t.id = :id AND p.name = :person RETURNING t.id
 """
 _END = f"""
 UPDATE token t SET revoked_at = now() FROM person p

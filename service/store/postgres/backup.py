@@ -140,8 +140,8 @@ _BROKEN = {
     ),
     "runs that gave a result and have another end reason than finished": (
         """
-        SELECT count(*) FROM result JOIN run ON run.id = result.run_id WHERE run.end_reason IS DISTINCT
-        FROM 'finished'"""
+        SELECT count(*) FROM result JOIN run ON run.id = result.run_id WHERE run.end_reason
+        IS DISTINCT FROM 'finished'"""
     ),
     "open gradings older than a minute without a job": (
         """

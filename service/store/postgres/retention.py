@@ -81,9 +81,9 @@ _PRUNABLE = f"""
 SELECT * FROM (
     SELECT k.grading_id, k.name, CASE
         WHEN g.id <> shown.id AND (NOT g.preview OR y.decided IS NOT NULL)
-        AND k.name <> 'pruned' THEN 'replaced'
+            AND k.name <> 'pruned' THEN 'replaced'
         WHEN g.id = shown.id AND (k.name = 'arrays.npz' OR starts_with(k.name, '{SHARED}'))
-        AND %(arrays)s THEN 'arrays'
+            AND %(arrays)s THEN 'arrays'
         WHEN g.id = shown.id AND (k.name LIKE 'figures/%%' OR k.name LIKE 'motions/%%') AND NOT %(arrays)s
             AND r.version = CAST(%(versions)s AS jsonb)->>x.slug
             AND EXISTS (SELECT 1 FROM grading_artefact WHERE grading_id = g.id
@@ -98,18 +98,18 @@ SELECT * FROM (
             WHERE b.submission_id = s.id AND NOT b.preview AND o.report IS NOT NULL ORDER BY b.number DESC
             LIMIT 1
         ) shown ON true
-    WHERE g.id = ANY(%(gradings)s) AND r.finished_at <= now() - make_interval(secs => 86400 * CAST(%(days)s AS
-    float8))
+    WHERE g.id = ANY(%(gradings)s) AND r.finished_at <= now() - make_interval(
+        secs => 86400 * CAST(%(days)s AS float8))
 ) files WHERE kind IS NOT NULL
 """
 
 # `polhode db check` misses the arrays of no grading with this mark.
 _MARK = """
-WITH stored AS (INSERT INTO artefact (sha256, content) VALUES (encode(sha256(''), 'hex'), '') ON CONFLICT
-    DO NOTHING)
+WITH stored AS (INSERT INTO artefact (sha256, content) VALUES (encode(sha256(''), 'hex'), '')
+    ON CONFLICT DO NOTHING)
 INSERT INTO grading_artefact (grading_id, name, sha256)
-SELECT id, 'pruned', encode(sha256(''), 'hex') FROM unnest(CAST(%(gradings)s AS uuid[])) id ON CONFLICT
-    DO NOTHING
+SELECT id, 'pruned', encode(sha256(''), 'hex') FROM unnest(CAST(%(gradings)s AS uuid[])) id
+    ON CONFLICT DO NOTHING
 """
 
 _DELETE = """

@@ -23,8 +23,8 @@ HALVED = "def oscillator(t, y, w, g):\n    return [y[1], -w**2 * y[0] / 2 - 2 * 
         "return (y[1], -w**2 * y[0] - 2 * g * y[1])",
         "x, v = y\n    return np.array([[v], [-2 * g * v - w * w * x]]).ravel()",
         (
-            "d = y.copy()\n    d[0], d[1] = y[1], 0\n    d[1] -= w**2 * y[0]\n    d[1] -= 2 * g * y[1]\n   "
-            " return d"
+            "d = y.copy()\n    d[0], d[1] = y[1], 0\n    d[1] -= w**2 * y[0]\n    d[1] -= 2 * g * y[1]\n"
+            "    return d"
         ),
         "return np.array([[0, 1], [-w**2, -2 * g]]) @ y",
     ],
@@ -104,8 +104,8 @@ def test_a_closed_form_of_the_wrong_shape_is_the_authors_error():
 
 def test_a_motion_that_stalls_or_is_not_finite_does_not_hide_the_points(toolbox, sandbox):
     stalls = (
-        "def pendulum(t, y, g):\n    return np.array([y[1], -g * np.sin(y[0]) + 1e9 * (y[0] - int(1e9 * y[0])"
-        " / 1e9)])\n"
+        "def pendulum(t, y, g):\n"
+        "    return np.array([y[1], -g * np.sin(y[0]) + 1e9 * (y[0] - int(1e9 * y[0]) / 1e9)])\n"
     )
     ends = "def oscillator(t, y, w, g):\n    return [y[1], y[0] ** 2 * 9]\n"
     report = grade(Submission(stalls + ends), toolbox.assignment, sandbox, 1).report

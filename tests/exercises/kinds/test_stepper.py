@@ -160,8 +160,8 @@ def test_runs_that_are_unstable_do_not_count_for_the_order():
 
 def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
     source = (
-        "def rk4_step(f, t, y, h):\n    if h < 0.05: raise RuntimeError('too small')\n    return y + h * f(t,"
-        " y)\n"
+        "def rk4_step(f, t, y, h):\n    if h < 0.05: raise RuntimeError('too small')\n"
+        "    return y + h * f(t, y)\n"
     )
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
     lines = {outcome.id: outcome.line for outcome in report.outcomes()}

@@ -145,8 +145,8 @@ def test_the_kit_prints_the_lines_of_the_server(toolbox, sandbox, tmp_path, wron
 def test_a_function_argument_takes_its_arguments_by_name_and_no_others(toolbox):
     question = question_of(toolbox, "heun_step")
     by_name = (
-        "def heun_step(f, t, y, h):\n    k = f(y=y, t=t)\n    return y + h / 2 * (k + f(t + h, y=y + h *"
-        " k))\n"
+        "def heun_step(f, t, y, h):\n    k = f(y=y, t=t)\n"
+        "    return y + h / 2 * (k + f(t + h, y=y + h * k))\n"
     )
     assert failed(judged(question, by_name)) == set()
     for call in ("f(y)", "f(t, y, h)", "f(t, t=t)", "f(t, x=y)"):
@@ -199,9 +199,20 @@ def count(mask):
     return mask.sum()
 ask("1", third, {"n": integers(1, 99)}, lambda n: int(n / 3))
 ask("2", is_positive, {"x": uniform(-1, 1, 4)}, lambda x: np.sign(x) == 1)
-ask("3", roots, {"b": uniform(0, 3)}, lambda b: -b / 2 + np.array([1, -1]) * np.sqrt(b * b / 4 - 5 + 0j), up_to="order")
+ask(
+    "3",
+    roots,
+    {"b": uniform(0, 3)},
+    lambda b: -b / 2 + np.array([1, -1]) * np.sqrt(b * b / 4 - 5 + 0j),
+    up_to="order",
+)
 ask("4", length, {"text": choice("abc", "de")}, lambda text: 3 if text == "abc" else 2)
-ask("5", total, {"x": choice(np.array([1.0, np.nan]), np.array([2.0, 3.0]))}, lambda x: 1.0 if x[0] == 1.0 else 5.0)
+ask(
+    "5",
+    total,
+    {"x": choice(np.array([1.0, np.nan]), np.array([2.0, 3.0]))},
+    lambda x: 1.0 if x[0] == 1.0 else 5.0,
+)
 ask("6", count, {"mask": lambda rng: rng.random(5) < 0.5}, lambda mask: np.count_nonzero(mask))
 """
 

@@ -102,8 +102,8 @@ WHOLE = {
 @pytest.mark.parametrize("answer", WHOLE)
 def test_a_slip_of_the_whole(answer, inputs):
     source = (
-        f"def euler_eqs(t, w, I):\n    right = lambda I: np.array([{', '.join(RIGHT)}])\n    return"
-        f" {answer}\n"
+        f"def euler_eqs(t, w, I):\n    right = lambda I: np.array([{', '.join(RIGHT)}])\n"
+        f"    return {answer}\n"
     )
     assert codes(source, inputs) == set(WHOLE[answer].split())
 
@@ -134,8 +134,8 @@ def test_sentences_point_at_component_and_term(inputs):
 
 def test_noise_and_other_algebra_have_no_cause(inputs):
     source = (
-        "def euler_eqs(t, w, I):\n    return np.array([np.sin(w[0]) * I[1], w[1] ** 3 / I[0], np.exp(-w[2] **"
-        " 2) + I[2]])"
+        "def euler_eqs(t, w, I):\n"
+        "    return np.array([np.sin(w[0]) * I[1], w[1] ** 3 / I[0], np.exp(-w[2] ** 2) + I[2]])"
     )
     assert codes(source, inputs) == set()
 

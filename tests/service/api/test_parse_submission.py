@@ -78,17 +78,27 @@ def test_an_outputless_notebook_and_a_script_are_stored_to_the_byte(app, url, pl
         assert source(url, upload(app, content, name)[1]["id"]).encode() == content
 
 
+LARGE = {"cell_type": "code", "source": "x" * 20 * KIB}
+
+
 @pytest.mark.parametrize(
     ("content", "name", "why"),
     [
         (b"x" * (20 * KIB + 1), "a.py", "it has 21 KiB and at most 20 KiB are accepted; remove data"),
         (b"x" * 300 * KIB, "a.py", "it has 300 KiB and at most 20 KiB are accepted; remove data"),
-        (with_outputs(json.dumps({"cells": [{"cell_type": "code", "source": "x" * 20 * KIB}], "nbformat": 4}).encode()), "a.ipynb",
-         "without outputs it has 21 KiB and at most 20 KiB are accepted"),
-        (b" " * 60 * MIB, "a.ipynb", "larger than 16 MiB: clear the outputs of the notebook (in Jupyter: Edit, Clear Outputs"),
+        (
+            with_outputs(json.dumps({"cells": [LARGE], "nbformat": 4}).encode()),
+            "a.ipynb",
+            "without outputs it has 21 KiB and at most 20 KiB are accepted",
+        ),
+        (
+            b" " * 60 * MIB,
+            "a.ipynb",
+            "larger than 16 MiB: clear the outputs of the notebook (in Jupyter: Edit, Clear Outputs",
+        ),
     ],
     ids=["small body", "large body", "notebook", "upload"],
-)  # fmt: skip
+)
 def test_what_is_too_large_says_what_to_do(app, content, name, why):
     status, problem = upload(app, content, name)
     assert (status, problem["type"]) == (413, "urn:polhode:problem:too-large") and why in problem["detail"]

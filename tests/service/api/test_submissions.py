@@ -153,8 +153,8 @@ def test_pages(server, right):
 
 def test_text_from_a_student_is_inert_in_a_page(server):
     source = (
-        "print('<script>alert(1)</script>\\u202e')\ndef euler_eqs(t, w, I):\n    raise ValueError('<img src=x"
-        " onerror=alert(2)>')"
+        "print('<script>alert(1)</script>\\u202e')\ndef euler_eqs(t, w, I):\n"
+        "    raise ValueError('<img src=x onerror=alert(2)>')"
     )
     document = json.loads(post(server, {"source": source}, Prefer="wait=60")[2])
     page = call(server, f"/submissions/{document['id']}")[2].decode()

@@ -149,9 +149,16 @@ def test_what_a_roster_leaves_out_stays(database_url):
     ]
 
 
-@pytest.mark.parametrize("field", [
-    {"due": b"0001-01-01T00:00+14:00"}, {"due": b"9999-12-31T23:59-12:00"}, {"due": b"soon"}, {"most": b"0"}, {"grace": b"nan"},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "field",
+    [
+        {"due": b"0001-01-01T00:00+14:00"},
+        {"due": b"9999-12-31T23:59-12:00"},
+        {"due": b"soon"},
+        {"most": b"0"},
+        {"grace": b"nan"},
+    ],
+)
 def test_rules_beyond_the_calendar_are_refused_and_the_pages_stay(server, url, boss, field):
     """No driver reads back the year 0 or 10000: every page with that deadline would be gone."""
     status, _, page = ask(server, boss, RULES, form(server, boss, field))

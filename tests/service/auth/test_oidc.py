@@ -125,10 +125,17 @@ def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, prov
 
 @pytest.mark.parametrize(
     ("how", "why"),
-    [("unsigned", "unsupported_algorithm"), ("signed with what everybody knows", "unsupported_algorithm"),
-     ("other claims", "bad_signature"), ("nonce", "invalid_claim"), ("expired", "expired_token"),
-     ("for another client", "invalid_claim"), ("from another issuer", "invalid_claim"), ("no token", "sent no ID token")],
-)  # fmt: skip
+    [
+        ("unsigned", "unsupported_algorithm"),
+        ("signed with what everybody knows", "unsupported_algorithm"),
+        ("other claims", "bad_signature"),
+        ("nonce", "invalid_claim"),
+        ("expired", "expired_token"),
+        ("for another client", "invalid_claim"),
+        ("from another issuer", "invalid_claim"),
+        ("no token", "sent no ID token"),
+    ],
+)
 def test_what_the_provider_did_not_sign_for_this_login_is_refused(server, url, provider, how, why):
     provider.user("s-6", preferred_username="cas")
     provider.tamper(how)

@@ -38,9 +38,15 @@ class Counting(PasswordHasher):
                 self.computed.append(extract_parameters(hash))
 
 
-@pytest.mark.parametrize(("kept", "guess", "matches"), [
-    ("hash", "wrong password", False), (None, "of nobody", False), ("no hash", "of nobody", False), ("hash", PASSWORD, True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("kept", "guess", "matches"),
+    [
+        ("hash", "wrong password", False),
+        (None, "of nobody", False),
+        ("no hash", "of nobody", False),
+        ("hash", PASSWORD, True),
+    ],
+)
 def test_checking_nobodys_password_is_as_much_work(monkeypatch, kept, guess, matches):
     hasher = Counting()
     monkeypatch.setattr(passwords, "_HASHER", hasher)

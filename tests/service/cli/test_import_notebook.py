@@ -10,8 +10,8 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
     course = tmp_path / "course"
     written(course / "1-sums", "small-sums.ipynb", published())
     in_function = (
-        'def check_all():\n    validate.check(True, "inside")\nvalidate.check(x > 1, label)\nvalidate.check(x'
-        " > 0)\n"
+        'def check_all():\n    validate.check(True, "inside")\nvalidate.check(x > 1, label)\n'
+        "validate.check(x > 0)\n"
     )
     cells = [
         ("markdown", "t", [], "# Odd things"),
@@ -60,8 +60,8 @@ def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
 
 def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, capsys):
     setup = (
-        "import numpy as np\nfrom ecp import validate\nfrom ecp import validate as v\nd ="
-        " np.loadtxt('d.csv')\ne = 'absent.csv'\n"
+        "import numpy as np\nfrom ecp import validate\nfrom ecp import validate as v\n"
+        "d = np.loadtxt('d.csv')\ne = 'absent.csv'\n"
     )
     file = written(
         tmp_path,

@@ -64,7 +64,9 @@ def double(x):
 
 
 NEAR = Tolerance(atol=0.5, reason="a wide one")
-notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR))
+notebook.exercise(
+    "1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR)
+)
 """
 
 

@@ -94,8 +94,8 @@ def test_files_without_entry_and_entries_without_file(folder, capsys):
     assert verify(folder, "--only", "wrong_[nt]e[wx]*") == 1
     told = capsys.readouterr().out
     assert (
-        '--write would add\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion",'
-        ' "1-rates"]' in told
+        '--write would add\n     ["wrong_new.py"]\n     exercises = ["1"]\n'
+        '     fail = ["1-motion", "1-rates"]' in told
     )
     assert (
         "wrong_text.py\n     cannot be graded: wrong_text.py is not a text file (UTF-8): save it as UTF-8"
@@ -111,8 +111,8 @@ def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
     """
     expected = folder / "samples" / "expected.toml"
     before = (
-        '# mine\n["wrong_half_damping.py"]\ndemo = true\nexercises = ["1"]  # kept\nfail = ["1-motion",'
-        ' "1-rates"]\n'
+        '# mine\n["wrong_half_damping.py"]\ndemo = true\nexercises = ["1"]  # kept\n'
+        'fail = ["1-motion", "1-rates"]\n'
     )
     before += 'codes = ["constant-factor"]'
     expected.write_text(before)

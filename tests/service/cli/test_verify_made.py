@@ -39,7 +39,9 @@ notebook.exercise(
         agree=SIGNS,
         mistakes=[
             mistake("0.3, b", "0.3, -b", "sign-flipped", "the second stiffness is negative"),
-            mistake("[1]", "[1] * [1, -1] @ [[0, 1], [1, 0]]", "component-order", "the columns are exchanged"),
+            mistake(
+                "[1]", "[1] * [1, -1] @ [[0, 1], [1, 0]]", "component-order", "the columns are exchanged"
+            ),
             mistake("[1]", "[1] @ [[0, -1], [1, 0]]", "wrong-function", "the columns are turned"),
             mistake("[1]", "[1] * [1, -1]", "wrong-function", "the second column has the other sign"),
         ],

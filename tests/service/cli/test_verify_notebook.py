@@ -23,7 +23,8 @@ def double(x):
 
 NEAR = Tolerance(limit=1e-12, reason="rounding")
 wrong = [mistake("2 *", "3 *", "constant-factor", "it triples")]
-notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR, mistakes=wrong))
+shared = {"ask": {"x": uniform(0, 1)}, "truth": lambda x: x + x, "agree": NEAR}
+notebook.exercise("1", "Doubling", values(double, **shared, mistakes=wrong))
 """
 
 

@@ -45,8 +45,10 @@ def plot(canvas, seen, truth):
 
 
 SCENE = Scene("points", "points", "double", draw, {"y": ArraySpec((4,))}, exact, 2.0)
-CHECK = close("1-points", "double is right", "points", measured=returned, expected=wanted, rtol=1e-9, atol=0.0, reason="rounding")
-EXERCISE = Exercise("1", "Doubling", ("double",), (CHECK,), (Figure("values", "Values", "points", ("points",), plot),))
+NEAR = {"rtol": 1e-9, "atol": 0.0, "reason": "rounding"}
+CHECK = close("1-points", "double is right", "points", measured=returned, expected=wanted, **NEAR)
+FIGURE = Figure("values", "Values", "points", ("points",), plot)
+EXERCISE = Exercise("1", "Doubling", ("double",), (CHECK,), (FIGURE,))
 notebook = Notebook("Doubling", setup="import numpy as np\\n", scenes=(SCENE,))
 notebook.own_exercise(EXERCISE)
 """

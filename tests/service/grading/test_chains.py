@@ -137,8 +137,8 @@ def test_values_computed_in_a_cell_come_from_the_reference(graded):
 def test_a_result_with_more_checks_passed_stays(graded):
     """A later function that agrees with the student's own step is not judged worse with the reference."""
     swapped = (
-        "\ndef heun_step(y, t, f, h):\n    slope = f(t, y)\n    return y + h / 2 * (slope + f(t + h, y + h *"
-        " slope))\n"
+        "\ndef heun_step(y, t, f, h):\n    slope = f(t, y)\n"
+        "    return y + h / 2 * (slope + f(t + h, y + h * slope))\n"
     )
     later = INTEGRATE.replace("heun_step(f, k * h, y, h)", "heun_step(y, k * h, f, h)").replace(
         "return y", "return y if n > 4 else -y"

@@ -144,7 +144,8 @@ Exercise 2. Euler's equations
      worst at ω̇₁, ω = (-0.8238, -0.9413, 1.059), I = (1.953, 0.3448, 1.769): got 0, expected 0.727
      6.48e+12 times the allowed difference
      cause 1: returns-zero
-✗  ω(t) of a new random body follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
+✗  ω(t) of a new random body follows the exact motion for sixty radians   \
+[max|Δ|/scale = 1.32851 (limit 2.35e-08)]
      worst at ω₃, t = 9.579 s
      5.65e+07 times the allowed difference
      cause 1: returns-zero

@@ -27,8 +27,8 @@ SOURCES = {
     "right": RIGHT,
     "wrong": RIGHT.replace("-np", "np"),
     "uses SciPy": (
-        "from scipy.linalg import solve\ndef euler_eqs(t, w, I):\n    return -solve(np.diag(I), np.cross(w, I"
-        " * w))\n"
+        "from scipy.linalg import solve\ndef euler_eqs(t, w, I):\n"
+        "    return -solve(np.diag(I), np.cross(w, I * w))\n"
     ),
     "crashes later": LATER.format("import ctypes; ctypes.string_at(0)"),
     "exits later": LATER.format("import os; os._exit(3)"),
@@ -153,8 +153,8 @@ def test_a_grading_waits_for_a_second_child_whose_answers_it_does_not_use(rigid_
 
 def test_without_questions_to_repeat_there_is_none(rigid_body, warm_sandbox, beside):
     source = (
-        "def box_moments(m, a, b, c):\n    return m / 12 * np.array([b**2 + c**2, a**2 + c**2, a**2 +"
-        " b**2])\n"
+        "def box_moments(m, a, b, c):\n"
+        "    return m / 12 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])\n"
     )
     grade(Submission(source), rigid_body, warm_sandbox, 5, ["1"])
     assert not beside.submitted

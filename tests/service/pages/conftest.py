@@ -51,10 +51,8 @@ def multipart(fields, files):
             f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode()
         )
     for name, (filename, content) in files.items():
-        parts.write(
-            f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"; filename="{filename}"\r\n\r\n'.encode()
-            + content
-        )
-        parts.write(b"\r\n")
+        of = f'name="{name}"; filename="{filename}"'
+        parts.write(f"--{boundary}\r\nContent-Disposition: form-data; {of}\r\n\r\n".encode())
+        parts.write(content + b"\r\n")
     parts.write(f"--{boundary}--\r\n".encode())
     return parts.getvalue(), f"multipart/form-data; boundary={boundary}"

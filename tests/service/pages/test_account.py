@@ -62,9 +62,14 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
 
 @pytest.mark.parametrize(
     ("password", "again", "why"),
-    [("short", "short", "10 to 200"), ("x" * 201, "x" * 201, "10 to 200"), (PASSWORD, ANOTHER, "passwords do not match"),
-     ("Ferdinand Q", "Ferdinand Q", "neither your name"), ("aaaaaaaaaaaa", "aaaaaaaaaaaa", "one repeated character")],
-)  # fmt: skip
+    [
+        ("short", "short", "10 to 200"),
+        ("x" * 201, "x" * 201, "10 to 200"),
+        (PASSWORD, ANOTHER, "passwords do not match"),
+        ("Ferdinand Q", "Ferdinand Q", "neither your name"),
+        ("aaaaaaaaaaaa", "aaaaaaaaaaaa", "one repeated character"),
+    ],
+)
 def test_what_is_no_password_is_not_set(server, url, password, again, why):
     browser = Browser(server).log_in(token=entered(url, "ferdinand q"))
     status, page = browser.send("/account/password", password=password, again=again)

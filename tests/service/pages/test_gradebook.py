@@ -245,9 +245,13 @@ def test_rules_and_extensions(looks, url):
         "ill &lt;b&gt;"
         in looks("prof", extend, at=SETTINGS, name="zoe", due="2099-02-01T12:00", reason="ill <b>")[1]
     )
-    for fields in ({"name": "nobody", "due": "2099-02-01T12:00", "reason": "x"}, {"name": "zoe", "due": "soon", "reason": "x"},
-                   {"name": "zoe", "due": "2099-02-01T12:00"}, {"name": "ben"},
-                   {"name": "zoe", "due": "2020-02-01T12:00", "reason": "x"}):  # fmt: skip
+    for fields in (
+        {"name": "nobody", "due": "2099-02-01T12:00", "reason": "x"},
+        {"name": "zoe", "due": "soon", "reason": "x"},
+        {"name": "zoe", "due": "2099-02-01T12:00"},
+        {"name": "ben"},
+        {"name": "zoe", "due": "2020-02-01T12:00", "reason": "x"},
+    ):
         assert looks("prof", extend, at=SETTINGS, **fields)[0] == 422, fields
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, due="", grace="-1")[0] == 422
     assert sql(url, "SELECT p.name, e.reason FROM extension e JOIN person p ON p.id = person_id") == [

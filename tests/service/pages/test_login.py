@@ -62,9 +62,20 @@ def test_a_password_logs_in_and_leads_back_to_where_they_were_going(server, url)
 
 @pytest.mark.parametrize(
     "path",
-    ["//evil.example", "/\\evil.example", "\\/evil.example", "https://evil.example/", "javascript:alert(1)", "/\t/evil.example",
-     "/\n/evil.example", "evil.example", "///evil.example", "/ä", "/a b"],
-)  # fmt: skip
+    [
+        "//evil.example",
+        "/\\evil.example",
+        "\\/evil.example",
+        "https://evil.example/",
+        "javascript:alert(1)",
+        "/\t/evil.example",
+        "/\n/evil.example",
+        "evil.example",
+        "///evil.example",
+        "/ä",
+        "/a b",
+    ],
+)
 def test_nobody_is_led_elsewhere_after_logging_in(server, url, path):
     browser = Browser(server).log_in(token=entered(url, "nia"), next=path)
     assert browser.at == "/"

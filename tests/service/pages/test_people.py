@@ -39,16 +39,15 @@ def url(postgres):
         "UPDATE assignment SET due_at = '2099-01-01T12:00Z', submission_limit = 5 WHERE slug = 'rigid-body'",
     )
     later = sql(url, "SELECT timestamptz '2099-02-01T12:00Z'")[0][0]
-    extend = lambda database: deadlines.extend(
-        database, "rigid-body", "ben", later, reason="was ill", by="prof"
-    )  # noqa: E731
-    assert run(url, extend)
+    why = {"reason": "was ill", "by": "prof"}
+    assert run(url, lambda database: deadlines.extend(database, "rigid-body", "ben", later, **why))
     sql(url, "INSERT INTO secret VALUES ('test', %s)", str(sent))
     return url
 
 
 def test_a_roster_enters_people_and_may_give_tokens(looks, url):
-    content = "\ufeffName,Role,Full name,Email,Student id\nfay,student,Fay Ønskov,fay@x.org,17\n=1+1,,,,\n\n".encode()
+    heads, fay = "Name,Role,Full name,Email,Student id", "fay,student,Fay Ønskov,fay@x.org,17"
+    content = f"\ufeff{heads}\n{fay}\n=1+1,,,,\n\n".encode()
     given = {"files": {"roster": ("r.csv", content)}}
     status, page, _ = looks("prof", "/people/preview", at="/people", **given)
     assert status == 200 and "<b>2</b> new" in page and "Fay Ønskov" in page

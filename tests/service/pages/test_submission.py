@@ -152,8 +152,8 @@ def test_in_a_notebook_the_line_of_the_right_cell_is_marked(server, ann, send):
 def test_a_line_is_counted_as_python_counts_it_and_only_frames_are_believed():
     source = "a = 1\r\nb = 2\rc = 3\x0b\u2028 # still 3\n\x0cd = 4\n\n"
     forged = (
-        '  File "submission.py", line 4, in f\n    d = 4\nValueError: x\n  File "submission.py", line 1,'
-        " in g\n"
+        '  File "submission.py", line 4, in f\n    d = 4\nValueError: x\n'
+        '  File "submission.py", line 1, in g\n'
     )
     scene_end = SceneEnd("probes", Ended.RAISED, "ValueError: x", "raises", forged)
     (cell,) = cells(Submission(source), [scene_end])

@@ -10,7 +10,8 @@ from service.sandbox.select import choose
 
 SOURCE = """
 import json, os, socket, sys
-told = {"pid": os.getpid(), "variables": sorted(os.environ), "there": [path for path in sys.argv[3:] if os.path.exists(path)]}
+told = {"pid": os.getpid(), "variables": sorted(os.environ)}
+told["there"] = [path for path in sys.argv[3:] if os.path.exists(path)]
 try:
     socket.create_connection(("127.0.0.1", int(sys.argv[1])), 5).close()
     told["connected"] = True

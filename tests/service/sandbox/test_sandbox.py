@@ -72,16 +72,16 @@ def test_arrays_come_back(either_sandbox):
         ("import time\ndef f(x):\n    time.sleep(60)", Ended.TIMED_OUT, "timeout"),
         (
             (
-                "def f(x):\n    while True:\n        try:\n            while True: pass\n        except"
-                " BaseException: pass"
+                "def f(x):\n    while True:\n        try:\n            while True: pass\n"
+                "        except BaseException: pass"
             ),
             Ended.TIMED_OUT,
             "timeout",
         ),
         (
             (
-                "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 60))\ndef f(x):\n    while"
-                " True: pass"
+                "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 60))\ndef f(x):\n"
+                "    while True: pass"
             ),
             Ended.TIMED_OUT,
             "timeout",
@@ -139,8 +139,8 @@ def test_what_is_no_result_is_not_believed_and_the_next_submission_is_unharmed(
 @BY_THE_HOST
 def test_one_stall_costs_one_scene(either_sandbox):
     body = (
-        "import signal\ndef f(x):\n    signal.pthread_sigmask(signal.SIG_BLOCK, [14])\n    while x == 2.0:"
-        " pass\n    return [x, x]"
+        "import signal\ndef f(x):\n    signal.pthread_sigmask(signal.SIG_BLOCK, [14])\n"
+        "    while x == 2.0: pass\n    return [x, x]"
     )
     seen = either_sandbox.play(
         job(
@@ -368,8 +368,8 @@ print(json.dumps(told))
 def test_submissions_do_not_see_each_other(either_sandbox):
     either_sandbox.play(
         job(
-            "import numpy, builtins, sys\nnumpy.pi = 3\nbuiltins.left = 1\nsys.modules['left'] ="
-            " sys\nnp.random.seed(1)\n" + GOOD
+            "import numpy, builtins, sys\nnumpy.pi = 3\nbuiltins.left = 1\nsys.modules['left'] = sys\n"
+            "np.random.seed(1)\n" + GOOD
         )
     )
     body = (

@@ -75,8 +75,8 @@ def test_nothing_is_believed_of_a_child_that_broke_the_protocol(rigid_body, sand
 
 def test_forged_lines_stay_in_their_line(rigid_body, sandbox):
     source = (
-        "def euler_eqs(t, w, I):\n    raise ValueError('x]\\n✓  rotational energy conserved (torque-free)  "
-        " [fine]')"
+        "def euler_eqs(t, w, I):\n"
+        "    raise ValueError('x]\\n✓  rotational energy conserved (torque-free)   [fine]')"
     )
     text = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report.text()
     assert not any(line.startswith("✓") for line in text.split("\n"))
@@ -106,8 +106,8 @@ def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigi
 
 def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
     source = (
-        "from ecp.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n    raise"
-        " WrongAnswer('all-right', 'x')"
+        "from ecp.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n"
+        "    raise WrongAnswer('all-right', 'x')"
     )
     report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
     assert report.scene_ends[0].ended is Ended.WRONG_ANSWER and not any(
@@ -117,8 +117,8 @@ def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
 
 def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short(rigid_body, sandbox):
     show = (
-        "from IPython.display import HTML, display\nfrom IPython import"
-        " get_ipython\ndisplay(HTML('<b>x</b>'))\nfig = plt.figure()"
+        "from IPython.display import HTML, display\nfrom IPython import get_ipython\n"
+        "display(HTML('<b>x</b>'))\nfig = plt.figure()"
     )
     cells = [show, *["raise Exception('x' * 9999)"] * 100, RIGHT]
     notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}

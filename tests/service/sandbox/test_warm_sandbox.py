@@ -241,8 +241,8 @@ def test_parts_of_jobs_are_sent_once_and_again_to_a_guest_that_replaces_another(
     values, sent, encode = Kept.of([1.5] * 1000), [], Kept.encode
     monkeypatch.setattr(Kept, "encode", lambda kept: sent.append(kept) or encode(kept))
     plays = (
-        "def ask(student, inputs):\n    return {'x': student['np'].asarray(sum(inputs['values']) *"
-        " student['f']())}"
+        "def ask(student, inputs):\n"
+        "    return {'x': student['np'].asarray(sum(inputs['values']) * student['f']())}"
     )
     asked = SceneRequest("one", "ask", "f", {"values": values}, {"x": ArraySpec(())}, 2.0, None)
     right = Job(SETUP, plays, (Cell("cell 1", "def f():\n    return 2.0"),), ("f",), (asked,))
@@ -262,8 +262,8 @@ def test_parts_of_jobs_are_sent_once_and_again_to_a_guest_that_replaces_another(
 
 def test_a_submission_that_changes_what_its_guest_keeps_does_not_change_it_for_the_next(warm_sandbox):
     plays = (
-        "import numpy as np\ndef ask(student, inputs):\n    return {'x':"
-        " np.asarray(student['f'](inputs['values']))}"
+        "import numpy as np\ndef ask(student, inputs):\n"
+        "    return {'x': np.asarray(student['f'](inputs['values']))}"
     )
     asked = SceneRequest("one", "ask", "f", {"values": Kept.of([1.5] * 30)}, {"x": ArraySpec(())}, 2.0, None)
     for source in (

@@ -117,8 +117,8 @@ GRADING = [
     Breakage(
         "the notebook of verify lacks what a solution's cell sets besides",
         "service/cli/verify_notebook.py",
-        'if own else [("", True)]',
-        'if not own else [("", True)]',
+        'if own\n                else [("", True)]',
+        'if not own\n                else [("", True)]',
         (
             "tests/service/cli/test_verify_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",
         ),

@@ -91,8 +91,8 @@ WEB = [
     Breakage(
         "the OpenAPI document has every answer as JSON",
         "service/http/openapi.py",
-        'return {200: {"content": {type: {',
-        'return {200: {"content": {JSON: {',
+        'type: {"schema": of_json',
+        'JSON: {"schema": of_json',
         ("tests/service/http/test_openapi.py",),
     ),
     Breakage(
@@ -214,8 +214,9 @@ WEB = [
     Breakage(
         "a failed grading is not given back",
         "service/workers/worker.py",
-        'await patiently(partial(runs.release, self._database, claimed, "failed", _reason(error)),'
-        " PATIENCE_S)",
+        """await patiently(
+                partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S
+            )""",
         "pass",
         ("tests/service/workers/test_worker.py",),
     ),

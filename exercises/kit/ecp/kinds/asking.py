@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from ecp.exercise import Figure
 from ecp.return_value import WrongAnswer, article, check_signature, exchanged, real_array, wrong_value
 
-MOST_CALLS = (
-    20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
-)
+# of a function argument, unless the question allows fewer: then ten times as many as it allows
+MOST_CALLS = 20_000
 LONGEST_CALL = 60  # characters of an author's expression in a sentence for students
 NAMES = """
-    abs arccos arcsin arctan arctan2 arcsinh arctanh array cos cosh cross dot exp expm1 heaviside hypot log log10 log1p maximum
-    minimum pi sign sin sinc sinh sqrt stack tan tanh where
+    abs arccos arcsin arctan arctan2 arcsinh arctanh array cos cosh cross dot exp expm1 heaviside hypot log
+    log10 log1p maximum minimum pi sign sin sinc sinh sqrt stack tan tanh where
 """
 MATHEMATICS = {name: getattr(np, name) for name in NAMES.split()} | {"np": np}
 KNOWN = {*MATHEMATICS, *dir(builtins)}

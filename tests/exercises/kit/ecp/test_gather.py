@@ -116,8 +116,8 @@ def test_a_cell_magic_that_lets_python_through(notebook, head):
 
 def test_imports_in_the_cell_of_the_definition(notebook):
     notebook.run(
-        "%%time\nimport math\nimport numpy as np\ndef f(x):\n    return np.sum(x) + math.prod((2, x)) if x"
-        " else f.__name__.upper()"
+        "%%time\nimport math\nimport numpy as np\ndef f(x):\n"
+        "    return np.sum(x) + math.prod((2, x)) if x else f.__name__.upper()"
     )
     assert notebook.sent()(3) == 9
     notebook.run("%%time\ndef f(x):\n    if x:\n        x += 1\n        x *= 2\n    return x")
@@ -134,8 +134,8 @@ def test_a_definition_that_was_also_timed(notebook):
 
 def test_line_magics_and_shell_lines_among_python(notebook):
     notebook.run(
-        "%xmode Plain\n!true \\\n   --continued\n%time k = [1, 2]\ntext = '''\n%not a magic\n'''\nfiles ="
-        " !echo it\\'s\nk?\ndef f(x):\n    return (text, 7\n        % 4, k)"
+        "%xmode Plain\n!true \\\n   --continued\n%time k = [1, 2]\ntext = '''\n%not a magic\n'''\n"
+        "files = !echo it\\'s\nk?\ndef f(x):\n    return (text, 7\n        % 4, k)"
     )
     assert notebook.sent()(0) == ("\n%not a magic\n", 3, [1, 2])
 
@@ -179,8 +179,8 @@ def test_a_partial_of_a_function_that_has_changed_must_be_made_again(notebook):
 
 def test_decorated_by_the_standard_library(notebook):
     notebook.run(
-        "import functools\n@functools.lru_cache(maxsize=None)\ndef f(n):\n    return n if n < 2 else f(n - 1)"
-        " + f(n - 2)"
+        "import functools\n@functools.lru_cache(maxsize=None)\ndef f(n):\n"
+        "    return n if n < 2 else f(n - 1) + f(n - 2)"
     )
     assert notebook.sent()(50) == 12586269025
 
@@ -188,8 +188,8 @@ def test_decorated_by_the_standard_library(notebook):
 def test_decorated_by_a_decorator_of_the_notebook(notebook):
     notebook.run(
         "import functools\nscale = 3",
-        "def twice(g):\n    @functools.wraps(g)\n    def wrapper(*a):\n        return 2 * scale * g(*a)\n   "
-        " return wrapper",
+        "def twice(g):\n    @functools.wraps(g)\n    def wrapper(*a):\n        return 2 * scale * g(*a)\n"
+        "    return wrapper",
         "@twice\ndef f(x):\n    return x + 1",
         "1",
         "def twice_again(g):\n    return lambda *a: 2 * g(*a)",
@@ -241,11 +241,11 @@ def test_an_instance_that_can_be_called(notebook):
 
 def test_classes_and_dataclasses(notebook):
     notebook.run(
-        "from dataclasses import dataclass, field\nclass Base:\n    unit = 2\n    def turn(self):\n       "
-        " return self.unit",
-        "default = 5.0\n@dataclass(frozen=True)\nclass Body(Base):\n    m: float = default\n    parts: list ="
-        " field(default_factory=list)\n    @staticmethod\n    def new():\n        return Body()\n   "
-        " @property\n    def twice(self):\n        return 2 * self.m",
+        "from dataclasses import dataclass, field\nclass Base:\n    unit = 2\n    def turn(self):\n"
+        "        return self.unit",
+        "default = 5.0\n@dataclass(frozen=True)\nclass Body(Base):\n    m: float = default\n"
+        "    parts: list = field(default_factory=list)\n    @staticmethod\n    def new():\n"
+        "        return Body()\n    @property\n    def twice(self):\n        return 2 * self.m",
         "def f():\n    b = Body.new()\n    return b.twice, b.turn(), b",
         "class Body2:\n    pass",
     )
@@ -307,8 +307,8 @@ def test_a_function_made_by_exec_cannot_be_sent(notebook):
 
 def test_definitions_inside_blocks(notebook):
     notebook.run(
-        "k = 2\nif k > 1:\n    def f(x):\n        '''A\n  text.'''\n        return k * x\nelse:\n    def"
-        " f(x):\n        return 0",
+        "k = 2\nif k > 1:\n    def f(x):\n        '''A\n  text.'''\n        return k * x\nelse:\n"
+        "    def f(x):\n        return 0",
         "try:\n    import not_there\nexcept ImportError:\n"
         "    @staticmethod\n    def g(x):\n        return f(x)\n    h = lambda x: g(x)",
         "for _k in range(2):\n    with open('/dev/null') as null:\n        def loop(x): return h(x) + 1",
@@ -469,12 +469,13 @@ def test_of_a_choice_the_whole_is_sent(notebook):
 
 def test_only_global_names_are_followed(notebook):
     notebook.run(
-        "import math\nlocal = open('/dev/null')\nattribute = arg = inner = loop = local\nsize ="
-        " 3\nclass_level = local",
-        "def g(arg, *, p=size):\n    local = arg\n    class K:\n        class_level = 1\n        def"
-        " m(self):\n            return self.attribute\n    def inner():\n        nonlocal local\n       "
-        " local += 1\n        return [loop for loop in range(local)]\n    math.attribute = K.class_level\n   "
-        " import json as attribute\n    return inner(), len(str(local))",
+        "import math\nlocal = open('/dev/null')\nattribute = arg = inner = loop = local\nsize = 3\n"
+        "class_level = local",
+        "def g(arg, *, p=size):\n    local = arg\n    class K:\n        class_level = 1\n"
+        "        def m(self):\n            return self.attribute\n    def inner():\n        nonlocal local\n"
+        "        local += 1\n        return [loop for loop in range(local)]\n"
+        "    math.attribute = K.class_level\n    import json as attribute\n"
+        "    return inner(), len(str(local))",
         "def f(x: 'attribute') -> None:\n    return g(x)",
     )
     bundle = notebook.gather("f")
@@ -488,8 +489,8 @@ def test_default_arguments_decorators_annotations_and_bases_are_needed_first(not
         "from typing import NamedTuple\nimport numpy as np\nclass Zero(NamedTuple):\n    x: float = 1.0",
         "def start():\n    return other()",
         "def other():\n    return 7",
-        "def f(t, y: Zero, z=start(), g=[k * start() for k in range(2)], h=lambda: later()) -> np.ndarray:\n "
-        "   return t + z + h()",
+        "def f(t, y: Zero, z=start(), g=[k * start() for k in range(2)], h=lambda: later()) -> np.ndarray:\n"
+        "    return t + z + h()",
         "def later():\n    return 100",
     )
     assert notebook.sent()(1, 2) == 108
@@ -502,8 +503,8 @@ def test_global_statements(notebook):
 
 def test_imports_are_sent_as_the_notebook_has_them(notebook):
     notebook.run(
-        "import numpy as np, os.path as p\nfrom scipy.integrate import solve_ivp as solve\nfrom math import"
-        " sin as s, pi",
+        "import numpy as np, os.path as p\nfrom scipy.integrate import solve_ivp as solve\n"
+        "from math import sin as s, pi",
         "import matplotlib as mpl\nimport matplotlib.animation\nfrom scipy import linalg",
         "def f(x):\n    import json\n    return np.cos(x) + s(x), pi, p.join('a', 'b'), json.dumps(1)",
         "def g():\n    return solve, mpl.animation.FuncAnimation, linalg.inv, matplotlib.animation",
@@ -578,13 +579,13 @@ def test_a_file_of_the_students_own(notebook, tmp_path, monkeypatch):
 
 def test_what_belongs_to_the_kit_is_imported(notebook):
     notebook.run(
-        "import ecp\nfrom ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import"
-        " FACE_COLORS"
+        "import ecp\nfrom ecp import draw as d\nfrom ecp.animate import show\n"
+        "from ecp.draw import FACE_COLORS"
     )
     notebook.run("def f():\n    return ecp, d, show, FACE_COLORS")
     assert notebook.gather("f").source.startswith(
-        "from ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import FACE_COLORS\nimport"
-        " ecp\n"
+        "from ecp import draw as d\nfrom ecp.animate import show\nfrom ecp.draw import FACE_COLORS\n"
+        "import ecp\n"
     )
     notebook.shell.user_ns.update(show2=notebook["show"])
     notebook.run("def f():\n    return show2")

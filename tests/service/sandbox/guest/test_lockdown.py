@@ -91,7 +91,8 @@ def fails(action):
         action()
     except Exception as error:
         return repr(error)
-print(json.dumps([len(clocks), {name: failed for name, action in actions.items() if (failed := fails(action))}]))
+failed = {name: error for name, action in actions.items() if (error := fails(action))}
+print(json.dumps([len(clocks), failed]))
 """
     clocks, failed = printed(either_sandbox, source)
     assert clocks >= 5 and failed == {}
@@ -100,8 +101,8 @@ print(json.dumps([len(clocks), {name: failed for name, action in actions.items()
 def test_stepping_down_keeps_no_capability():
     """Also where there is no other user to become."""
     source = (
-        "from service.sandbox.guest.lockdown import"
-        " drop_privileges\ndrop_privileges(None)\nprint(open('/proc/self/status').read())"
+        "from service.sandbox.guest.lockdown import drop_privileges\ndrop_privileges(None)\n"
+        "print(open('/proc/self/status').read())"
     )
     told = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True).stdout
     held = dict(line.split(":\t") for line in told.splitlines() if line.startswith("Cap"))

@@ -43,8 +43,8 @@ INSIDE = {
     ),
     "a helper that restores itself": (
         (
-            "own = recorder(); real = own['_tracks']\n    own['_tracks'] = lambda paths:"
-            " own.update(_tracks=real) or real(paths)"
+            "own = recorder(); real = own['_tracks']\n"
+            "    own['_tracks'] = lambda paths: own.update(_tracks=real) or real(paths)"
         ),
         "_tracks",
     ),

@@ -68,8 +68,8 @@ UNUSED = {
         "import numpy as np\nf = lambda: float(np.linalg.norm([3.0, 4.0]) + np.fft.fft([1.0])[0].real)"
     ),
     "uses in functions that are not called": (
-        "def film():\n    return FuncAnimation(plt.figure(), print), solve_ivp(print, (0, 1), [1])\nf ="
-        " lambda: 1.0"
+        "def film():\n    return FuncAnimation(plt.figure(), print), solve_ivp(print, (0, 1), [1])\n"
+        "f = lambda: 1.0"
     ),
 }
 USED = {

@@ -5,8 +5,8 @@ import pytest
 from service.store.course.roster import BEFORE_AT, BadRoster, Entry, read
 
 GRADESCOPE = (
-    "First Name,Last"
-    " Name,SID,Email,Role,Section\nAnn,Lee,0042,ann@uni.example,Student,A\nBo,Ek,7,bo@uni.example,TA,\n"
+    "First Name,Last Name,SID,Email,Role,Section\nAnn,Lee,0042,ann@uni.example,Student,A\n"
+    "Bo,Ek,7,bo@uni.example,TA,\n"
 )
 CANVAS = (
     "Student,ID,SIS User ID,SIS Login ID,Section,Problem set 1 (17)\n    Points Possible,,,,,10\n"

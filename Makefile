@@ -13,7 +13,7 @@ NEWER = $(or $(PYTHONS),$(foreach minor,12 13 14,$(firstword $(shell python3.$(m
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all exhaustive sabotage test-pythons lint docs bench chaos image-test release-check lock clean
+.PHONY: help env demo serve test test-all verdicts exhaustive sabotage test-pythons lint docs bench chaos image-test release-check lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -69,6 +69,9 @@ test: lint .venv/browser  ## lint, then run the fast tests (four minutes on two 
 test-all: .venv/browser .venv/docs  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages
 	@$(MAKE) --no-print-directory test
 	@$(TEST) --numprocesses $(or $(PROCESSES),2) -m "slow and not exhaustive"  # a third process would starve the servers of others
+
+verdicts: .venv/tests  ## grade every sample and compare with the frozen verdicts (WRITE=1: freeze what is found)
+	@$(CLEAN_ENV) $(BIN)/python -m tests.support.verdicts $(if $(WRITE),--write)
 
 exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotage, chaos, the image, and newer Pythons if installed
 	@$(TEST) -m exhaustive

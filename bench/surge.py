@@ -1,10 +1,10 @@
-"""A surge of submissions before a deadline on a real server: losses, waits, and the waits that polhode plan
+"""A surge of submissions before a deadline on a real server: losses, waits, and the waits that ``bench.plan``
 predicts.
 
 ``python -m bench.surge`` takes five minutes on two cores, and ``--notebook`` fifteen. Students send the
-samples below at times drawn as ``polhode plan`` draws them. The waits are read from the database and compared
-with a simulation of the same arrivals and with what ``polhode plan`` predicts. ``--write`` stores the
-measured grading times for ``polhode plan``.
+samples below at times drawn as ``bench.plan`` draws them. The waits are read from the database and compared
+with a simulation of the same arrivals and with what ``bench.plan`` predicts. ``--write`` stores the
+measured grading times for ``bench.plan``.
 """
 
 import argparse
@@ -28,9 +28,9 @@ import httpx2
 import numpy as np
 import psycopg
 
+from bench.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from exercises.catalogue import find
 from service.cli.demo import free_port
-from service.cli.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3
@@ -263,7 +263,7 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
             arrivals,
             start_times(arrivals, asked.workers),
         ),
-        ("predicted by polhode plan", planned, start_times(planned, asked.workers)),
+        ("predicted by bench.plan", planned, start_times(planned, asked.workers)),
     ):
         print(f"\n{name}\n{table(summary(which, when, asked.workers, 60 * asked.minutes))}")
     if write:

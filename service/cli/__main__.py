@@ -69,7 +69,6 @@ COMMANDS = {
             " unchanged"
         ),
     ),
-    "plan": Command("plan", help="simulate how long students wait at a deadline, with one core per worker"),
     "roster": Command(
         "people", help="import people from a CSV file, or list the people of the course in that format"
     ),

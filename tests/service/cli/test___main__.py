@@ -36,7 +36,6 @@ WRONG = [
     (["mutants", "--most", "0"], {}, "expected at least 1"),
     (["worker", "--slots", "0"], {}, "expected at least 1"),
     (["chart", "stability", "--scene", "foo"], {}, "no scene matches foo; available: energy drifts, "),
-    (["plan", "--students", "1000000000", "--minutes", "1", "--workers", "1"], {}, "at most"),
 ]
 # These open logs and handle signals first, which is for a process of their own.
 WRONG_FOR_LONG = [

@@ -1,6 +1,4 @@
-"""The simulated queue against waits computed by hand, against queueing theory,
-and as the command prints it.
-"""
+"""The simulated queue against waits computed by hand, against queueing theory, and as `bench.plan` prints it."""
 
 import math
 from dataclasses import replace
@@ -8,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.cli import plan
-from service.cli.__main__ import main
-from service.cli.plan import (
+from bench import plan
+from bench.plan import (
     QUANTILES,
     Arrivals,
     Deadline,
     draw,
+    main,
     measured,
     simulate,
     start_times,
@@ -226,17 +224,17 @@ def test_table():
     )
 
 
-def polhode_plan(line):
-    return main(["plan", *line.split()])
+def run(line):
+    return main(line.split())
 
 
 def test_command(capsys):
-    assert polhode_plan("--students 30 --minutes 1 --workers 2 --rush --p99 0") == 0
+    assert run("--students 30 --minutes 1 --workers 2 --rush --p99 0") == 0
     told = capsys.readouterr().out
     assert told.count("seconds waited") == 2
     assert "keep the p99 wait at or below 0 s" in told
-    assert polhode_plan("--students 30 --minutes 1") == 2
-    assert polhode_plan("--students 30 --minutes 1 --workers 0") == 2
+    assert run("--students 30 --minutes 1") == 2
+    assert run("--students 30 --minutes 1 --workers 0") == 2
     assert "--workers must be more than 0" in capsys.readouterr().err
 
 
@@ -254,19 +252,19 @@ def test_the_chart_has_the_fewest_workers_and_what_they_cost_at_each_class_size(
         "few students leave a worker idle; no worker is cheaper than the grading"
     )
     file = tmp_path / "cost.svg"
-    assert polhode_plan(f"--chart {file} --minutes 1 --p99 60 --submissions 2") == 0
+    assert run(f"--chart {file} --minutes 1 --p99 60 --submissions 2") == 0
     drawn = file.read_text()
     assert "one exercise:" in drawn and "a whole notebook:" in drawn
     assert "2 submissions each in 1 min; 99 % wait at most 60 s" in drawn
     for more in ("", "--p99 1 --workers 2", "--p99 1 --notebook"):
         assert (
-            polhode_plan(f"--chart {file} --minutes 1 {more}") == 2
+            run(f"--chart {file} --minutes 1 {more}") == 2
             and "give --p99, not --workers" in capsys.readouterr().err
         )
 
 
 def test_whole_notebooks_take_longer_than_one_exercise(capsys):
-    asked = ["plan", "--students", "100", "--minutes", "1", "--workers", "1"]
+    asked = ["--students", "100", "--minutes", "1", "--workers", "1"]
     printed = []
     for more in ([], ["--notebook"]):
         assert main([*asked, *more]) == 0

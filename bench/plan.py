@@ -1,5 +1,5 @@
-"""The command ``polhode plan``: event-by-event simulation of how long students wait at a deadline, with the
-queue order of ``service.store.queue``.
+"""``python -m bench.plan``: event-by-event simulation of how long students wait at a deadline, with the queue
+order of ``service.store.queue``.
 
 Each student sends each submission at a random time, independent of the others and of any result. The times
 before the deadline are uniform; with ``rush`` their density grows linearly from zero to the deadline. Each
@@ -9,6 +9,7 @@ measured ones.
 
 import argparse
 import json
+import sys
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -19,10 +20,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from service.cli.errors import CommandError
 from service.store.queue import STEP
 
-MEASURED = Path(__file__).parents[1] / "grading" / "measured" / "service-times.json"
+MEASURED = Path(__file__).with_name("measured") / "service-times.json"
 MOST, YEAR_MIN = 5_000_000, 366 * 24 * 60
 CLASSES = (300, 1000, 3000, 10_000, 30_000, 100_000)
 KINDS = {"exercise": "one exercise", "notebook": "a whole notebook"}
@@ -30,8 +30,9 @@ COLORS = ("#0072b2", "#d55e00")
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 
 
-def add_plan(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command."""
+def main(words: Sequence[str] | None = None) -> int:
+    """Print the waits or draw the costs. Return the exit code, 2 for values that are out of range."""
+    parser = argparse.ArgumentParser(prog="python -m bench.plan", description=__doc__)
     asked = parser.add_mutually_exclusive_group(required=True)
     asked.add_argument("--students", type=int, metavar="N", help="number of students")
     asked.add_argument(
@@ -68,7 +69,12 @@ def add_plan(parser: argparse.ArgumentParser) -> None:
         help="submissions per minute grow linearly towards the deadline; default: constant",
     )
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the simulation (default 0)")
-    parser.set_defaults(run=_plan)
+    try:
+        _plan(parser.parse_args(words))
+    except ValueError as error:
+        print(f"bench.plan: {error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 def _plan(arguments: argparse.Namespace) -> None:
@@ -77,7 +83,7 @@ def _plan(arguments: argparse.Namespace) -> None:
     }
     if arguments.chart:
         if arguments.p99 is None or arguments.workers is not None or arguments.notebook:
-            raise CommandError(
+            raise ValueError(
                 "--chart finds the workers for exercises and for notebooks: give --p99, not --workers or"
                 " --notebook"
             )
@@ -90,7 +96,7 @@ def _plan(arguments: argparse.Namespace) -> None:
         )
         return
     if arguments.workers is None and arguments.p99 is None:
-        raise CommandError("nothing to simulate: give --workers, --p99 or both")
+        raise ValueError("nothing to simulate: give --workers, --p99 or both")
     seconds = measured("notebook" if arguments.notebook else "exercise")
     deadline = Deadline(
         workers=1 if arguments.workers is None else arguments.workers, seconds=seconds, **given
@@ -108,7 +114,7 @@ class Deadline:
     """The parameters of a simulation; ``seconds`` are the grading times to draw from, by default those of one
     exercise.
 
-    Raises CommandError listing all values that are out of range.
+    Raises ValueError listing all values that are out of range.
     """
 
     students: int
@@ -126,9 +132,9 @@ class Deadline:
             if not 0 < getattr(self, name) < np.inf
         ]:
             *others, last = [f"--{name}" for name in wrong]
-            raise CommandError(f"{', '.join(others)}{' and ' if others else ''}{last} must be more than 0")
+            raise ValueError(f"{', '.join(others)}{' and ' if others else ''}{last} must be more than 0")
         if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
-            raise CommandError(
+            raise ValueError(
                 f"the simulation is too large: at most {MOST} submissions and {YEAR_MIN} minutes"
             )
 
@@ -179,11 +185,11 @@ def workers_needed(deadline: Deadline, p99_s: float) -> int:
     """Return the smallest number of workers that keeps the 99th percentile of the waits at or below ``p99_s``
     seconds.
 
-    The search doubles the number, then bisects; ``deadline.workers`` is ignored. Raises CommandError for a
+    The search doubles the number, then bisects; ``deadline.workers`` is ignored. Raises ValueError for a
     negative ``p99_s``.
     """
     if not p99_s >= 0:
-        raise CommandError(f"--p99 must not be negative, got {p99_s:g}")
+        raise ValueError(f"--p99 must not be negative, got {p99_s:g}")
     arrivals = draw(deadline)
 
     def enough(workers: int) -> bool:
@@ -285,7 +291,7 @@ def costs(deadline: Deadline, p99_s: float) -> list[tuple[int, int, float]]:
     CLASSES.
 
     The workers are the fewest that keep the 99th percentile of the waits at or below ``p99_s`` seconds.
-    Raises CommandError.
+    Raises ValueError.
     """
     found = []
     for students in CLASSES:
@@ -351,3 +357,7 @@ def draw_costs(
     axes.margins(y=0.1)
     axes.grid(alpha=0.3)
     return svg(canvas, "Cost per submission against class size")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

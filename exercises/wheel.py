@@ -20,7 +20,7 @@ import numpy as np
 import ecp
 from exercises import packages, zipfiles
 from exercises.assignment import Assignment, Scene
-from exercises.catalogue import assignments, find
+from exercises.catalogue import find
 
 log = logging.getLogger(__name__)
 METADATA = f"""Metadata-Version: 2.1
@@ -35,18 +35,16 @@ Requires-Dist: matplotlib
 """
 
 
-def filename(slug: str | None = None) -> str:
+def filename(slug: str) -> str:
     """Return the wheel's file name. A notebook may contain its address for years, so it changes only with
     ``ecp.KIT``.
-
-    Without ``slug`` it is the kit with all assignments, whose address notebooks of older versions contain.
     """
     return f"{_distribution(slug)}-{ecp.KIT}-py3-none-any.whl"
 
 
 @functools.cache
-def build(slug: str | None = None) -> str:
-    """Return a hash of the kit's content."""
+def build(slug: str) -> str:
+    """Return a hash of the content of an assignment's kit."""
     digest = hashlib.sha256()
     for name, content in sorted(_content(slug).items()):
         digest.update(f"{name}\0{len(content)}\0".encode() + content)
@@ -54,18 +52,15 @@ def build(slug: str | None = None) -> str:
 
 
 @functools.lru_cache(maxsize=16)
-def wheel(slug: str | None = None, server: str | None = None) -> bytes:
+def wheel(slug: str, server: str | None = None) -> bytes:
     """Return the kit's wheel, byte for byte the same for the same content, with the address of the ``server``
     that distributes it.
     """
-    files, info = dict(_content(slug)), f"{_distribution(slug)}-{ecp.KIT}.dist-info"
-    for one in _held(slug):
-        made = {"build": build(one.slug)} | ({"server": server} if server else {})
-        files[f"{_home(one)}/made.json"] = json.dumps(made).encode()
+    assignment, info = find(slug), f"{_distribution(slug)}-{ecp.KIT}.dist-info"
+    made = {"build": build(slug)} | ({"server": server} if server else {})
+    files = _content(slug) | {f"{_home(assignment)}/made.json": json.dumps(made).encode()}
     metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
-    metadata += "".join(
-        f"Requires-Dist: {name}\n" for name in sorted({name for one in _held(slug) for name in one.packages})
-    )
+    metadata += "".join(f"Requires-Dist: {name}\n" for name in sorted(set(assignment.packages)))
     return zipfiles.wheel(info, metadata, files)
 
 
@@ -79,31 +74,27 @@ def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
     return text.encode()
 
 
-def _distribution(slug: str | None) -> str:
-    return "polhode_kit" if slug is None else f"polhode_kit_{slug.replace('-', '_')}"
+def _distribution(slug: str) -> str:
+    return f"polhode_kit_{slug.replace('-', '_')}"
 
 
 def _home(assignment: Assignment) -> str:
     return f"ecp/assignments/{assignment.folder.name}"
 
 
-def _held(slug: str | None) -> list[Assignment]:
-    return list(assignments().values()) if slug is None else [find(slug)]
-
-
 @functools.cache
-def _content(slug: str | None) -> dict[str, bytes]:
-    kit = Path(ecp.__path__[0])
+def _content(slug: str) -> dict[str, bytes]:
+    kit, assignment = Path(ecp.__path__[0]), find(slug)
     found = {
         f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))
     }
-    for one in _held(slug):
-        found |= {f"{_home(one)}/data/{name}": (one.folder / name).read_bytes() for name in one.data}
-        if one.questions or (one.folder / "public").is_dir():
-            try:
-                found |= {f"{_home(one)}/{name}": content for name, content in list(_public_side(one))}
-            except Exception:  # its scenes or truth failed; students can still submit
-                log.exception("the kit is built without the local checks of the assignment %s", one.slug)
+    home = _home(assignment)
+    found |= {f"{home}/data/{name}": (assignment.folder / name).read_bytes() for name in assignment.data}
+    if assignment.questions or (assignment.folder / "public").is_dir():
+        try:
+            found |= {f"{home}/{name}": content for name, content in list(_public_side(assignment))}
+        except Exception:  # its scenes or truth failed; students can still submit
+            log.exception("the kit is built without the local checks of the assignment %s", slug)
     return found | {"ecp/assignments/__init__.py": b""}
 
 

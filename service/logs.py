@@ -65,12 +65,7 @@ class RepetitionLimit(logging.Filter):
 
 
 def _with_ids(record: logging.LogRecord) -> bool:
-    # "attempt" is the former name of "grading".
-    for name, value in (
-        ("request", request_id.get()),
-        ("attempt", grading_id.get()),
-        ("grading", grading_id.get()),
-    ):
+    for name, value in (("request", request_id.get()), ("grading", grading_id.get())):
         if value is not None:
             setattr(record, name, value)
     return True

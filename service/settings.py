@@ -25,7 +25,6 @@ class Settings(BaseSettings):
     )
     min_isolation: Literal["namespaces", "process"] = Field(
         "process",
-        validation_alias=AliasChoices("POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"),
         description=(
             "The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary"
             " container."
@@ -107,12 +106,6 @@ class Settings(BaseSettings):
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         "warning", description="Lowest level that is logged."
     )
-
-    @field_validator("min_isolation", mode="before")
-    @classmethod
-    def _tier(cls, level: object) -> object:
-        """Accept the values of the former setting POLHODE_MIN_TIER."""
-        return {"A": "namespaces", "B": "process"}.get(level, level) if isinstance(level, str) else level
 
     @field_validator("origins")
     @classmethod

@@ -1,4 +1,4 @@
-"""The JSON that API v1 returns, as models. Fields are added or aliased, never removed."""
+"""The JSON that API v1 returns, as models. Fields are added, never removed."""
 
 import types
 from dataclasses import fields, is_dataclass
@@ -26,8 +26,7 @@ def model_of(kind: Any) -> Any:
         hints, members = get_type_hints(kind), dict[str, Any]()
         for field in fields(kind):
             if not field.metadata.get("local_only"):
-                names = (field.name, field.metadata.get("formerly", field.name))
-                members |= dict.fromkeys(names, (model_of(hints[field.name]), ...))
+                members[field.name] = model_of(hints[field.name]), ...
         for name in getattr(kind, "COMPUTED_FIELDS", ()):
             members[name] = get_type_hints(getattr(kind, name).fget)["return"], ...
         return create_model(kind.__name__, __doc__=kind.__doc__, **members)
@@ -140,7 +139,6 @@ class Submission(BaseModel):
     late: bool
     sha256: str
     report: ReportDocument | None = None
-    fault: str = Field("", description="The former name of system_fault.")
     system_fault: str = ""
     cancelled_by: str = ""
     repeated: bool = False
@@ -160,7 +158,6 @@ class Changed(BaseModel):
 
     checks: dict[str, list[str]]
     summary: str
-    told: str = Field(description="The former name of summary.")
 
 
 class Past(BaseModel):

@@ -49,9 +49,7 @@ async def events(
             continue
         id = " ".join(str(value) for value in progress.values())
         if id != sent:
-            yield ServerSentEvent(
-                event=progress["status"], id=id, data=progress | {"grading": progress["attempt"]}
-            )
+            yield ServerSentEvent(event=progress["status"], id=id, data=progress)
             sent = id
         if progress["status"] in ("graded", "faulted"):
             return
@@ -60,7 +58,7 @@ async def events(
 async def _progress(database: Db, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
     row = await records.state(database, stored.id)
     assert row is not None
-    progress = {"status": row.status, "attempt": row.number}
+    progress = {"status": row.status, "grading": row.number}
     if row.finished:
         if stored.withheld:
             return progress

@@ -65,7 +65,6 @@ async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
         checks["isolation"] = isolation or reason or checks["isolation"]
     except Exception as error:
         isolation, checks = None, {"isolation": "unknown", "database": _reason(error)}
-    checks["walls"] = checks["isolation"]  # the name of API v1
     if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})

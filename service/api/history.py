@@ -74,7 +74,7 @@ def _changed(earlier: PastSubmission, later: PastSubmission) -> answers.Changed:
         f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in [*kinds.items(), *added.items()]
     ]
     summary = "; ".join([_difference(earlier, later), *counts])
-    return answers.Changed(checks=changed, summary=summary, told=summary)
+    return answers.Changed(checks=changed, summary=summary)
 
 
 def _difference(earlier: PastSubmission, later: PastSubmission) -> str:

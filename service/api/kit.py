@@ -19,11 +19,9 @@ WHEEL, NOTEBOOK = "application/zip", "application/x-ipynb+json"
 async def kit(name: str, server: PublicAddress) -> Response:
     """Return the student kit of an assignment as a wheel for ``%pip install``.
 
-    Its name changes only if old notebooks stop working with it. The name without a slug, which notebooks of
-    older versions contain, stands for the kit with all assignments.
+    Its name changes only if old notebooks stop working with it.
     """
-    slugs: dict[str, str | None] = {wheel.filename(slug): slug for slug in assignments()}
-    slugs[wheel.filename()] = None
+    slugs = {wheel.filename(slug): slug for slug in assignments()}
     if name not in slugs:
         raise Problem(
             404,

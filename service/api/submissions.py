@@ -331,7 +331,7 @@ def _uuid(text: str) -> uuid.UUID | None:
 
 
 def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
-    more |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
+    more |= {"system_fault": stored.fault} if stored.fault else {}
     more |= {"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {}
     more |= {name: getattr(stored, name) for name in ("id", "status", "submitted_at", "late")}
     more |= {"scores_released": False} if stored.withheld else {}

@@ -189,5 +189,5 @@ def _entry(file: "GradedFile") -> dict[str, Any]:
 
     entry: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
     error = {"error": file.refused} if file.refused else {}
-    fault = {"fault": file.fault, "system_fault": file.fault} if file.fault else {}
+    fault = {"system_fault": file.fault} if file.fault else {}
     return entry | error | fault

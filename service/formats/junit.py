@@ -100,7 +100,7 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
             "seed": seed,
             "score": report.score,
         }
-        for key, value in (about | {"max_score": report.max_score, "total": report.most}).items():
+        for key, value in (about | {"max_score": report.max_score, "total": report.total}).items():
             SubElement(properties, "property", name=key, value=one_line(str(value)))
     for case in cases:
         element = SubElement(

@@ -42,7 +42,7 @@ def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -
 
     ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular
     momentum, unit quaternions (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4
-    f,), in 1/SCALE. ``notes`` are sentences about the motion; ``told`` is their former name.
+    f,), in 1/SCALE. ``notes`` are sentences about the motion.
     """
     scene = assignment.scene(motion.scene)
     exact = truth(scene, draw_inputs(scene, seed))
@@ -51,7 +51,6 @@ def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -
     if given.shape != R.shape or given.dtype.kind != "f":
         raise ValueError("the submission returned no attitude")
     yours, at = valid_prefix(given), np.linspace(0, len(t) - 1, min(FRAMES, len(t))).astype(int)
-    notes = _notes(yours, given, t, R)
     document = {
         "t": np.round(1e3 * t[at]).astype(int).tolist(),
         "half": [round(x, 4) for x in motion.half],
@@ -60,8 +59,7 @@ def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -
         "L": np.round(_momentum(motion, exact), 4).tolist(),
         "exact": _whole(quaternions(R[at])),
         "yours": _whole(quaternions(yours.R[at[at < len(yours.R)]])),
-        "notes": notes,
-        "told": notes,
+        "notes": _notes(yours, given, t, R),
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 

@@ -75,11 +75,6 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
     shown = cells(stored.submission, scene_ends, commented)
     places = {cell.name: cell.place for cell in shown}
     assignment, report = assignments().get(stored.assignment), stored.report
-    if assignment and report and report.max_points is None:  # stored before polhode recorded it
-        report.max_points, report.bonus_points = (
-            assignment.max_points(stored.exercises),
-            assignment.bonus_points(stored.exercises),
-        )
     return {
         "title": assignment.title if assignment else stored.assignment,
         "out_of": assignment.out_of if assignment else report and report.out_of,

@@ -110,7 +110,7 @@ WHERE s.id = :submission AND (b.submitted_at, b.id) < (s.submitted_at, s.id)
 _GRADINGS = """
 SELECT a.number, a.kind, a.preview, a.requested_at, r.started_at, r.worker,
     (SELECT count(*) FROM run WHERE grading_id = a.id) AS runs,
-    v.finished_at, v.score, coalesce(CAST(v.report->>'total' AS int), v.max_score) AS total, v.version,
+    v.finished_at, v.score, CAST(v.report->>'total' AS int) AS total, v.version,
     v.fault, v.cancelled_by
 FROM grading a LEFT JOIN result v ON v.grading_id = a.id LEFT JOIN LATERAL (
     SELECT started_at, worker FROM run WHERE run.grading_id = a.id AND coalesce(run.id = v.run_id, true)

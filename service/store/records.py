@@ -93,7 +93,7 @@ def points(given: str, grading: str, score: str) -> str:
 SHOWN = f"""
 LATERAL (
     SELECT a.id AS grading, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
-        coalesce(CAST(r.report->>'total' AS int), r.max_score) AS total,
+        CAST(r.report->>'total' AS int) AS total,
         r.grading_id IS NOT NULL AS finished, r.finished_at, r.version
     FROM grading a LEFT JOIN result r ON r.grading_id = a.id
     WHERE a.submission_id = s.id AND NOT a.preview ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
@@ -233,8 +233,7 @@ async def recent(
 
     With ``text``, in lower case, only those whose id begins with it or whose file name contains it.
 
-    ``score``, ``max_score``, ``points`` and ``total`` are None without a report. ``total`` is the report's
-    total, or ``max_score`` for reports stored before the total was recorded.
+    ``score``, ``max_score``, ``points`` and ``total`` are None without a report.
     """
     return await database.rows(_LIST, {"most": most, "person": person, "text": text})
 

@@ -10,15 +10,11 @@ from exercises.wheel import wheel
 from tests.support.assignments import TEMPLATE, copied, known
 
 
-def test_a_kit_holds_one_assignment_and_the_kit_without_a_slug_all(tmp_path):
+def test_a_kit_holds_one_assignment(tmp_path):
     copied(tmp_path)
     with known(tmp_path):
-        folders = {slug: _folders(wheel(slug)) for slug in ("rigid-body", "damped-oscillator", None)}
-    assert folders == {
-        "rigid-body": {"rigid_body"},
-        "damped-oscillator": {"damped_oscillator"},
-        None: {"rigid_body", "damped_oscillator"},
-    }
+        folders = {slug: _folders(wheel(slug)) for slug in ("rigid-body", "damped-oscillator")}
+    assert folders == {"rigid-body": {"rigid_body"}, "damped-oscillator": {"damped_oscillator"}}
 
 
 def _folders(content):
@@ -32,9 +28,9 @@ def _folders(content):
 
 def test_the_kit_requires_the_packages_of_its_assignment():
     with known(TEMPLATE.parent / "symbolic"):
-        required = {slug: _required(wheel(slug)) for slug in ("rigid-body", "symbolic", None)}
+        required = {slug: _required(wheel(slug)) for slug in ("rigid-body", "symbolic")}
     common = ["numpy", "scipy", "matplotlib"]
-    assert required == {"rigid-body": common, "symbolic": [*common, "sympy"], None: [*common, "sympy"]}
+    assert required == {"rigid-body": common, "symbolic": [*common, "sympy"]}
 
 
 def _required(content):

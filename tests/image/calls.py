@@ -52,7 +52,7 @@ def graded(address: str, id: str, sample: Sample, token: str | None = None) -> d
     if told["report"] is None or (odd := sample.unexpected(told["report"])):
         raise Failed(
             f"{sample.file.name}: {told['status']}"
-            f" {told.get('fault', '')}{'' if told['report'] is None else odd}"
+            f" {told.get('system_fault', '')}{'' if told['report'] is None else odd}"
         )
     report: dict[str, Any] = told["report"]
     return report

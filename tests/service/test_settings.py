@@ -47,29 +47,14 @@ def test_an_upload_holds_a_submission_in_its_longest_form(monkeypatch):
     assert Settings().submission_kib == 4096
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "level"),
-    [
-        ("POLHODE_MIN_ISOLATION", "namespaces", "namespaces"),
-        ("POLHODE_MIN_ISOLATION", "process", "process"),
-        ("POLHODE_MIN_TIER", "A", "namespaces"),
-        ("POLHODE_MIN_TIER", "B", "process"),
-    ],
-)
-def test_the_isolation_level_under_its_name_and_its_former_one(name, value, level, monkeypatch):
+@pytest.mark.parametrize("level", ["namespaces", "process"])
+def test_the_weakest_isolation_level_is_a_setting(level, monkeypatch):
     assert Settings().min_isolation == "process"
-    monkeypatch.setenv(name, value)
+    monkeypatch.setenv("POLHODE_MIN_ISOLATION", level)
     assert Settings().min_isolation == level
 
 
-def test_the_new_name_of_the_isolation_level_wins(monkeypatch):
-    monkeypatch.setenv("POLHODE_MIN_TIER", "A")
-    monkeypatch.setenv("POLHODE_MIN_ISOLATION", "process")
-    assert Settings().min_isolation == "process"
-
-
-@pytest.mark.parametrize("name", ["POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"])
-def test_an_unknown_isolation_level_is_refused(name, monkeypatch):
-    monkeypatch.setenv(name, "C")
+def test_an_unknown_isolation_level_is_refused(monkeypatch):
+    monkeypatch.setenv("POLHODE_MIN_ISOLATION", "C")
     with pytest.raises(ValidationError):
         Settings()

@@ -58,7 +58,9 @@ def report(*exercises, **more):
         ExerciseReport(str(k), f"Title {k}", list(outcomes)) for k, outcomes in enumerate(exercises, start=1)
     ]
     fields = {"assignment": "rigid-body", "version": "1", "exercises": sections, "provenance": PROVENANCE}
-    return Report(**(fields | more))
+    fields |= more
+    made = sum(o.points for e in fields["exercises"] for o in e.outcomes if o.counted)
+    return Report(**({"total": made} | fields))
 
 
 def report_of_marks(marks, seed=7, **more):

@@ -37,7 +37,7 @@ def agrees_in_text(file):
         at = told.index(outcome.line, at)
         assert told[at] == MARKS[outcome.verdict]
     *_, summary = told.rstrip("\n").split("\n")
-    assert summary.startswith(f"{report.score} of {report.most} points")
+    assert summary.startswith(f"{report.score} of {report.total} points")
 
 
 def agrees_in_junit(file):
@@ -55,7 +55,7 @@ def agrees_in_junit(file):
     sums = {
         "score": str(file.report.score),
         "max_score": str(file.report.max_score),
-        "total": str(file.report.most),
+        "total": str(file.report.total),
     }
     assert all(properties.items() >= sums.items() for properties in told)
     assert (read.failures + read.errors == 0) is file.passed
@@ -67,7 +67,7 @@ def agrees_in_gradescope(file):
             json.dumps(gradescope.document(file, RIGID, max_score=most), allow_nan=False).encode("ascii")
         )
         tests = [test for test in read["tests"] if "id" in test.get("extra_data", {})]
-        point = 1 if most is None else most / max(1, file.report.most)
+        point = 1 if most is None else most / max(1, file.report.total)
         assert {
             test["extra_data"]["id"]: test["extra_data"]["verdict"] for test in tests if "score" in test
         } == verdicts(file.report, counted=True)
@@ -78,7 +78,7 @@ def agrees_in_gradescope(file):
         )
         assert abs(read["score"] - file.report.score * point) < 1e-9
         assert abs(sum(test.get("score", 0) for test in read["tests"]) - read["score"]) < 1e-9
-        assert abs(sum(test.get("max_score", 0) for test in read["tests"]) - file.report.most * point) < 1e-9
+        assert abs(sum(test.get("max_score", 0) for test in read["tests"]) - file.report.total * point) < 1e-9
         complete = file.passed and not file.report.not_attempted
         assert any(test.get("status") == "failed" for test in read["tests"]) is not complete
 
@@ -88,7 +88,7 @@ def agrees_in_classroom50(file):
     read = Result.model_validate_json(json.dumps(told).encode("ascii"))
     tests = [test for test in told["tests"] if "id" in test]
     assert {test["id"]: test["verdict"] for test in tests} == verdicts(file.report, counted=True)
-    assert (read.score, read.max_score) == (file.report.score, file.report.most)
+    assert (read.score, read.max_score) == (file.report.score, file.report.total)
     assert all(test.passed for test in read.tests) is (file.passed and not file.report.not_attempted)
 
 
@@ -126,7 +126,7 @@ def agrees_in_github(file):
         "html_block", "fence", *["bullet_list_open"] * bool(report.figures), "html_block",
     ]  # fmt: skip
     cells = [token.content for token in tokens if token.type == "inline" and token.level == 4][-4:]
-    assert cells[1:3] == ["✓" if file.passed else "✗", f"{report.score} of {report.most}"]
+    assert cells[1:3] == ["✓" if file.passed else "✗", f"{report.score} of {report.total}"]
     (fence,) = [token.content for token in tokens if token.type == "fence"]
     assert fence.rstrip("\n") == sanitize(report.text()).rstrip("\n")
     found = commands("\n".join(github.annotations([file], RIGID)))

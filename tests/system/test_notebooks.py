@@ -208,7 +208,7 @@ def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
         EULER,
         submit,
         "ecp.submissions()",
-        "len(ecp.attempts())",
+        "len(ecp.submissions())",
     )
     newest, first = shown(found).split("\n")
     # a wrong equation may keep the solver busy beyond its time

@@ -64,7 +64,7 @@ def known(url):
     return {
         "id": [str(id)],
         "slug": ["rigid-body"],
-        "name": ["omega", "spin", wheel.filename("rigid-body"), wheel.filename()],
+        "name": ["omega", "spin", wheel.filename("rigid-body")],
     }
 
 

@@ -148,7 +148,7 @@ def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_
         seen.append(name)
         os.kill(pid, signal.SIGKILL)
     document = wait_for(lambda: (d := get(front.url, id))["status"] == "faulted" and d)
-    assert document["report"] is None and "all 3 runs" in document["fault"]
+    assert document["report"] is None and "all 3 runs" in document["system_fault"]
     began = time.monotonic()
     assert post(front.url, SLOW.format(0), Prefer="wait=30")["report"]["passed"]
     assert time.monotonic() - began < TAKEOVER_S

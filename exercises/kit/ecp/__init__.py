@@ -20,7 +20,6 @@ _HOME = {
     "connect": "course",
     "submit": "remote",
     "submissions": "past_submissions",
-    "attempts": "past_submissions",
     "login": "identity",
     "logout": "identity",
     "Report": "report",
@@ -32,7 +31,6 @@ _HOME = {
 __all__ = [
     "Report",
     "animate",
-    "attempts",
     "check",
     "connect",
     "draw",

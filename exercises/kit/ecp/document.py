@@ -17,12 +17,9 @@ class NotADocument(ValueError):
 
 
 class Member(NamedTuple):
-    """A field of a dataclass in a document: the ``names`` it is written under, its type, and whether it must
-    be there.
-    """
+    """A field of a dataclass in a document: its name and type, and whether it must be there."""
 
-    field: str
-    names: tuple[str, ...]
+    name: str
     kind: Any
     required: bool
 
@@ -33,7 +30,6 @@ def _members(kind: type) -> tuple[Member, ...]:
     return tuple(
         Member(
             field.name,
-            tuple(dict.fromkeys((field.name, field.metadata.get("formerly", field.name)))),
             hints[field.name],
             field.default is MISSING and field.default_factory is MISSING,
         )
@@ -49,9 +45,7 @@ def document(value: Any) -> Any:
     """Return ``value`` as JSON values: a dataclass becomes an object with its fields and the properties in
     ``COMPUTED_FIELDS``.
 
-    A number that is not finite becomes null. A field with ``metadata={"local_only": True}`` is left out. A
-    renamed field has ``metadata={"formerly": OLD_NAME}``: it is written under both names, so that older
-    readers still find it.
+    A number that is not finite becomes null. A field with ``metadata={"local_only": True}`` is left out.
     """
     kind = type(value)
     if kind in _PLAIN:  # most values
@@ -68,21 +62,14 @@ def document(value: Any) -> Any:
 
 
 def _written(value: Any, kind: Any) -> dict[str, Any]:
-    written: dict[str, Any] = {}
-    for member in _members(kind):
-        part = document(getattr(value, member.field))
-        for name in member.names:
-            written[name] = part
-    for name in getattr(kind, "COMPUTED_FIELDS", ()):
-        written[name] = document(getattr(value, name))
-    return written
+    names = [*(member.name for member in _members(kind)), *getattr(kind, "COMPUTED_FIELDS", ())]
+    return {name: document(getattr(value, name)) for name in names}
 
 
 def read(kind: type[T], written: Any) -> T:
     """Return the dataclass ``kind`` that ``document`` wrote, ignoring unknown members.
 
-    A renamed field is also found under its former name. Raises NotADocument if a member is missing or of
-    another type.
+    Raises NotADocument if a member is missing or of another type.
     """
     try:
         found = _reader(kind)(written)  # type: ignore[arg-type]
@@ -130,13 +117,12 @@ def _part(reader: Reader, written: Any, where: str, key: object) -> Any:
 
 
 def _object(kind: Any, members: list[tuple[Member, Reader]], written: dict[str, Any]) -> Any:
-    given = {}
-    for member, reader in members:
-        for name in member.names:
-            if name in written:
-                given[member.field] = _part(reader, written[name], ".{}", name)
-                break
-    if missing := [member.field for member, _ in members if member.required and member.field not in given]:
+    given = {
+        member.name: _part(reader, written[member.name], ".{}", member.name)
+        for member, reader in members
+        if member.name in written
+    }
+    if missing := [member.name for member, _ in members if member.required and member.name not in given]:
         raise _Unreadable(f"lacks {', '.join(missing)}")
     return kind(**given)
 

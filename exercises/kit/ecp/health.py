@@ -32,8 +32,6 @@ def rules(own: dict[str, Any]) -> str:
     """Return a student's own deadline, in the notebook's time zone, and the submissions used, from the
     server's list of these.
     """
-    if "used" not in own:  # an older server
-        return ""
     limit = f" of {own['submission_limit']}" if own["submission_limit"] else ""
     until = (
         f"{local_time(own['due_at'])}{' with your extension' * own['extended']}" if own["due_at"] else "none"

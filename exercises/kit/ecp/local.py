@@ -58,11 +58,12 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     versions = {"python": platform.python_version()} | {
         name: metadata.version(name) for name in ("numpy", "scipy")
     }
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
+    total = points([*chosen, *missed], known.exercises, written, known.names)
+    made = Provenance(0, versions, ISOLATION)
+    report = Report(known.slug, known.version, sections, made, total, local=True)
     report.not_attempted = [e.number for e in missed]
     report.weighted = any(c.points > 1 for e in known.exercises for c in e.checks)
-    report.total = points([*chosen, *missed], known.exercises, written, known.names)
     report.scene_ends = [
         scene_end for scene_end in played.scene_ends.values() if scene_end.ended is not Ended.FINISHED
     ]

@@ -35,7 +35,7 @@ class SceneEnd:
     """
 
     scene: str
-    ended: Ended = field(metadata={"formerly": "ending"})
+    ended: Ended
     sentence: str
     code: str | None = None
     traceback: str | None = None

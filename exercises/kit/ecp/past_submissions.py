@@ -17,8 +17,7 @@ class Submissions:
     """A student's submissions to an assignment, newest first, and the ids of the best and the latest one.
 
     ``submissions`` are the objects of the server's JSON answer. ``address`` is the address of the
-    assignment's page. ``out_of`` are the assignment's points, as in a report; "" from a server that does not
-    send them.
+    assignment's page. ``out_of`` are the assignment's points, as in a report.
     """
 
     assignment: str
@@ -26,7 +25,7 @@ class Submissions:
     best: str | None
     last: str | None
     address: str
-    out_of: str = ""
+    out_of: str
 
     def __len__(self) -> int:
         return len(self.submissions)
@@ -53,13 +52,10 @@ class Submissions:
     def _row(self, one: dict[str, Any]) -> tuple[str, ...]:
         at = datetime.fromisoformat(one["submitted_at"]).astimezone()
         when = f"{at:%Y-%m-%d %H:%M}{' late' if one['late'] else ''}"
-        points = one.get("points", one["score"])
-        graded = "" if points == one["score"] else f" (graded {one['score']})"
-        most = self.out_of or one.get("total", one["max_score"])
-        score = one["status"] if one["score"] is None else f"{points} of {most}{graded}"
+        graded = "" if one["points"] == one["score"] else f" (graded {one['score']})"
+        score = one["status"] if one["score"] is None else f"{one['points']} of {self.out_of}{graded}"
         note = ", ".join(word for word, id in (("best", self.best), ("latest", self.last)) if id == one["id"])
-        changed = one["changed"] or {}
-        return when, score, note, changed.get("summary", changed.get("told", ""))  # "told": its former name
+        return when, score, note, one["changed"]["summary"] if one["changed"] else ""
 
 
 def submissions(server: str | None = None, assignment: str | None = None) -> Submissions:
@@ -72,14 +68,13 @@ def submissions(server: str | None = None, assignment: str | None = None) -> Sub
     slug = course.assignment(assignment)
     where = course.server(server, slug)
     found = own(where, slug)
-    of = out_of(found["max_points"], found["bonus_points"]) if "max_points" in found else ""
     return Submissions(
         found["assignment"],
         found["submissions"],
         found["best"],
         found["last"],
         f"{where}/assignments/{slug}",
-        of,
+        out_of(found["max_points"], found["bonus_points"]),
     )
 
 
@@ -88,7 +83,3 @@ def own(server: str, slug: str) -> dict[str, Any]:
     address = f"{server}/v1/assignments/{slug}/submissions"
     found: dict[str, Any] = call("GET", address, headers=authorization(server), patience=CONTACT_S).json()
     return found
-
-
-attempts = submissions
-"""The former name of ``submissions``, which older notebooks use."""

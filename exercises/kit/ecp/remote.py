@@ -165,7 +165,7 @@ def _wait(url: str, headers: Mapping[str, str], line: Line, page: str) -> dict[s
             raise NotGraded(
                 f"Graded. The scores of this assignment have not been released yet; they will be at {page}"
             )
-        fault = document.get("fault", "no reason given")
+        fault = document.get("system_fault", "no reason given")
         raise NotGraded(
             f"Grading failed on the server: {fault}. It is not your mistake and does not count against you;"
             f" see {page}"

@@ -36,7 +36,7 @@ class Provenance:
 
     seed: int
     versions: dict[str, str]
-    isolation: str = field(metadata={"formerly": "walls"})
+    isolation: str
     motions: dict[str, str] = field(default_factory=dict)
     chains: dict[str, str] = field(default_factory=dict)
     phases_ms: dict[str, float] = field(default_factory=dict)
@@ -59,9 +59,8 @@ class Report:
     """All outcomes of one grading. A passed check earns its points, one unless the author says otherwise.
 
     ``total`` is the number of points of every exercise that was to be graded, including those
-    ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
-    ``max_points`` is the part of these exercises without optional functions, and ``bonus_points`` that of all
-    optional functions, written or not; a report from before polhode recorded them, and a local one, has None.
+    ``not_attempted`` (their numbers). ``max_points`` is the part of these exercises without optional
+    functions, and ``bonus_points`` that of all optional functions, written or not; a local report has neither.
 
     ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures, which
     ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its
@@ -73,13 +72,13 @@ class Report:
     version: str
     exercises: list[ExerciseReport]
     provenance: Provenance
+    total: int
     figures: list[Picture] = field(default_factory=list)
     animations: list[Picture] = field(default_factory=list)
-    scene_ends: list[SceneEnd] = field(default_factory=list, metadata={"formerly": "endings"})
+    scene_ends: list[SceneEnd] = field(default_factory=list)
     stdout: str = ""
     sweep: SweepResult | None = None
     notebook_checks: list[NotebookCheck] = field(default_factory=list)
-    total: int | None = None
     max_points: int | None = None
     bonus_points: int | None = None
     not_attempted: list[str] = field(default_factory=list)
@@ -105,14 +104,9 @@ class Report:
         return sum(o.points for o in self.outcomes() if o.counted)
 
     @property
-    def most(self) -> int:
-        """Return ``total``, or the points of the attempted exercises if it is not known."""
-        return self.max_score if self.total is None else self.total
-
-    @property
     def out_of(self) -> str:
         """Return the points there are, with those of optional functions apart: "36 + 6 bonus"."""
-        return str(self.most) if self.max_points is None else out_of(self.max_points, self.bonus_points or 0)
+        return str(self.total) if self.max_points is None else out_of(self.max_points, self.bonus_points or 0)
 
     @property
     def passed(self) -> bool:
@@ -152,13 +146,11 @@ class Report:
         """
         if self.local:
             what = "points of the public checks" if self.weighted else "public checks ✓"
-            points = f"{self.score} of {self.most} {what}"
+            points = f"{self.score} of {self.total} {what}"
         else:
-            attempted = self.total is None and self.max_points is None
-            of = f"{self.out_of} points{' of the attempted exercises' if attempted else ''}"
             public = [o for o in self.outcomes() if o.counted and not o.hidden]
             passed = sum(o.verdict is Verdict.PASS for o in public)
-            points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"
+            points = f"{self.score} of {self.out_of} points (public checks: {passed} of {len(public)})"
             if reported := [o for o in self.outcomes() if o.self_reported]:
                 points += (
                     f"; {sum(o.verdict is Verdict.PASS for o in reported)} of {len(reported)} self-reported"

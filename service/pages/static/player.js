@@ -47,7 +47,7 @@ class Player {
     bar.append(this.button, this.slider, this.status);
     this.canvas.after(bar);
     this.canvas.title = "Drag or use the arrow keys to turn the view";
-    figure.querySelector("figcaption").append(`. ${(this.motion.notes ?? this.motion.told).join(" ")}`);
+    figure.querySelector("figcaption").append(`. ${this.motion.notes.join(" ")}`);
     figure.hidden = false;
     this.toggle(false);
   }

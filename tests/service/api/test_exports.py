@@ -62,7 +62,8 @@ def report(**states):
     ]
     endings = [SceneEnd(s, ending, s) for s, ending in ENDINGS.items() if s in states.values()]
     made = Provenance(seed=7, versions={"polhode": "0.1.0"}, isolation="process")
-    return Report("rigid-body", "1", [ExerciseReport("2", "Two", outcomes)], made, scene_ends=endings)
+    total = sum(o.points for o in outcomes if o.counted)
+    return Report("rigid-body", "1", [ExerciseReport("2", "Two", outcomes)], made, total, scene_ends=endings)
 
 
 async def graded(database, who, made, source="x", filename="submission.py"):

@@ -249,8 +249,8 @@ def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     stdout, stderr = running.communicate(timeout=60)
     reports = json.loads(stdout)["reports"]
     assert running.returncode == 2 and "a grading process was lost" in stderr
-    assert any("fault" in r for r in reports) and all(
-        bool(r["report"]) != bool(r.get("fault")) for r in reports
+    assert any("system_fault" in r for r in reports) and all(
+        bool(r["report"]) != bool(r.get("system_fault")) for r in reports
     )
 
 
@@ -332,4 +332,6 @@ def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2
     (told,) = json.loads(capsys.readouterr().out)["reports"]
-    assert told["report"] is None and "before the submission ran" in told["fault"] and "error" not in told
+    assert (
+        told["report"] is None and "before the submission ran" in told["system_fault"] and "error" not in told
+    )

@@ -124,7 +124,7 @@ def test_a_file_that_was_not_graded_has_one_too(rigid_body):
         ("system fault: not graded", "disk full"),
         (
             "failed: at least one check was scored",
-            "0 of 0 points of the attempted exercises (public checks: 0 of 0)",
+            "0 of 0 points (public checks: 0 of 0)",
         ),
     ]
 

@@ -203,8 +203,8 @@ def test_the_exact_motion_and_the_students_own(server, ann, rigid_body, send):
         truth = rigid_body.scene(scene).truth(rigid_body.scene(scene).inputs)
         assert np.abs(matrices(exact["exact"], exact["scale"]) - at(truth, exact["t"])).max() < 4e-4
         assert exact["yours"] == exact["exact"] == reverse["exact"] != reverse["yours"]
-        assert exact["told"] == ["Never more than 0.00001° apart."] and re.search(
-            r"by \d+(\.\d+)?°", reverse["told"][0]
+        assert exact["notes"] == ["Never more than 0.00001° apart."] and re.search(
+            r"by \d+(\.\d+)?°", reverse["notes"][0]
         )
         assert (
             len(exact["t"]) == min(motion_data.FRAMES, len(truth["t"]))
@@ -258,7 +258,7 @@ def test_what_is_no_rotation_is_said_and_not_shown(rigid_body, kind, frames, wor
     R = spoilt(scene.truth(scene.inputs)["R"], kind)
     told = json.loads(motion_data.to_json(rigid_body, asked, {"R": R}, 3))
     assert (
-        len(told["yours"]) == 4 * frames and len(told["exact"]) == 4 * 80 and words in " ".join(told["told"])
+        len(told["yours"]) == 4 * frames and len(told["exact"]) == 4 * 80 and words in " ".join(told["notes"])
     )
 
 
@@ -298,7 +298,7 @@ def test_no_motion_is_larger_than_ten_kib(rigid_body):
             R = 1.02 * scene.truth(scene.inputs)["R"]
             R[-1] = np.nan
             told = json.loads(motion_data.to_json(rigid_body, one, {"R": R}, 3))
-            assert len(told["told"]) == 3
+            assert len(told["notes"]) == 3
             longest = (
                 told
                 | {key: [-motion_data.SCALE] * 4 * motion_data.FRAMES for key in ("exact", "yours")}
@@ -360,7 +360,7 @@ def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, ri
     assert (
         status == 200
         and json.loads(body)["yours"] == []
-        and json.loads(body)["told"] == ["At t = 0 s your R is not finite."]
+        and json.loads(body)["notes"] == ["At t = 0 s your R is not finite."]
     )
 
 

@@ -136,7 +136,7 @@ def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short
         "from IPython.core.display import HTML",
         "import IPython.display as shown\nshown.display(shown.HTML('x'))",
         "r = ecp.check('2')\nassert r.passed\nr.score / r.max_score\nf'{r.score:3d}'\nr.exercises[0]",
-        "for attempt in ecp.attempts().submissions:\n    print(attempt)",
+        "for one in ecp.submissions().submissions:\n    print(one)",
         "ecp.connect('http://x')\necp.login()\nprint(ecp.submit(), len(ecp.submit()))",
     ],
 )

@@ -18,13 +18,11 @@ ZEROS = "def euler_eqs(t, w, I):\n    return 0 * w\n"
 
 @pytest.fixture(scope="module")
 def wheels(tmp_path_factory):
-    """The kits of two assignments and the one with both, which is for notebooks that contain the older
-    address.
-    """
+    """The kits of two assignments."""
     folder = tmp_path_factory.mktemp("course")
     copied(folder)
     with known(folder):
-        return {slug: wheel(slug, SERVER) for slug in ("rigid-body", "damped-oscillator", None)}
+        return {slug: wheel(slug, SERVER) for slug in ("rigid-body", "damped-oscillator")}
 
 
 @pytest.fixture
@@ -79,16 +77,6 @@ def test_a_second_kit_leaves_the_first_as_it_was(installed):
     )
 
 
-@pytest.mark.slow
-def test_the_kit_at_the_older_address_holds_all_assignments(installed):
-    checks = ('ecp.check("2", assignment="rigid-body")', 'ecp.check("1", assignment="damped-oscillator")')
-    reports = kernel(installed(None), *checks, 'ecp.course.build("rigid-body")')
-    assert "✗" in reports[0] and "2 of 2 public checks ✓" in reports[1]
-    assert kernel(installed("rigid-body"), 'ecp.course.build("rigid-body")') == reports[2:], (
-        "the same kit, so no remark on its age"
-    )
-
-
 def test_the_message_without_an_assignments_kit_has_its_address(installed):
     (sentence,) = kernel(installed("damped-oscillator"), 'ecp.check(assignment="rigid-body")')
     assert "the kit of rigid-body is not installed, only that of damped-oscillator" in sentence
@@ -114,12 +102,12 @@ def test_a_kit_that_does_not_fit_the_one_installed_last_says_so(installed):
 
 
 @pytest.mark.slow
-def test_pip_installs_both_kits_and_the_older_one_in_one_environment(wheels, tmp_path):
+def test_pip_installs_both_kits_in_one_environment(wheels, tmp_path):
     subprocess.run(
         [sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", tmp_path / "venv"],
         check=True,
     )
-    for slug in (None, "damped-oscillator", "rigid-body"):
+    for slug in ("damped-oscillator", "rigid-body"):
         (tmp_path / filename(slug)).write_bytes(wheels[slug])
         pip = [
             sys.executable,

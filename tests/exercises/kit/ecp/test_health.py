@@ -64,12 +64,6 @@ def test_what_fails_is_said_and_does_not_stop_the_notebook(server, capsys):
     assert "SERVER cannot grade at the moment." in text and "No assignment rigid-body." in text
 
 
-def test_an_older_server_has_no_rules(server, capsys):
-    assert printed(server, capsys, ME, READY, says(200, {"submissions": []}), says(200, {})).endswith(
-        "SERVER is ready.\n"
-    )
-
-
 def test_without_the_server_the_local_checks_remain(server, capsys, monkeypatch):
     monkeypatch.setattr("ecp.identity.CONTACT_S", 0.1)
     ecp.connect("http://polhode.invalid", assignment="rigid-body")

@@ -5,6 +5,7 @@ reader looks for it.
 import importlib
 import inspect
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -199,5 +200,6 @@ def test_nothing_names_a_package_registry_and_no_page_names_another_host():
         assert b"://" not in page.read_bytes(), page
 
 
-def test_the_changelog_has_an_entry_for_what_is_coming():
-    assert "## Unreleased" in doc("CHANGELOG.md")
+def test_the_changelog_has_an_entry_for_this_version():
+    version = tomllib.loads(doc("pyproject.toml"))["project"]["version"]
+    assert f"\n## {version}" in doc("CHANGELOG.md")

@@ -5,7 +5,7 @@ figures.
 from html import escape
 from typing import Any
 
-INK, AMBER, QUIET = "#16213e", "#c0851a", "#5d6785"
+AMBER, QUIET = "#c0851a", "#5d6785"
 _CARD = (
     f"border-left:.3em solid {AMBER};padding:.4em 0 .4em 1em;margin:.5em"
     " 0;font-family:system-ui,sans-serif;line-height:1.4"

@@ -9,7 +9,7 @@ from service.store.course import audit
 from service.store.course.people import COURSE
 from service.store.database import Database
 
-IMMEDIATELY, AT_DEADLINE, MANUALLY = RELEASES = ("immediately", "deadline", "manually")
+RELEASES = ("immediately", "deadline", "manually")
 
 
 @dataclass(frozen=True)

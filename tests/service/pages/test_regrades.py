@@ -178,7 +178,8 @@ def test_an_override_may_be_a_fraction_and_the_whole_of_exercises_left_out(serve
 
 def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, url, people):
     partly = outcome("c1", "fail", points=4, partial=RowsRight(12, 16))
-    id = graded(url, "ann", exercises=report([partly, outcome("c2")]).exercises, total=5)
+    made = report([partly, outcome("c2")]).exercises
+    id = graded(url, "ann", exercises=made, total=36, max_points=36, bonus_points=6)
     own, prof = f"/submissions/{id}", people["prof"]
     page = prof.open(own)[1]
     assert (

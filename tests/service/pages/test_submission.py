@@ -606,7 +606,7 @@ def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, a
 
 
 def test_points_are_out_of_all_there_are(server, url, ann):
-    id = graded(url, "ann", "+-", total=36, not_attempted=["1", "6"])
+    id = graded(url, "ann", "+-", total=36, max_points=36, bonus_points=6, not_attempted=["1", "6"])
     summary = "1 of 36 + 6 bonus points (public checks: 1 of 2); not attempted: exercises 1, 6"
     assert summary in call(server, f"/submissions/{id}", ann)[2]
     newest = json.loads(call(server, SLUG, ann)[2])["submissions"][0]

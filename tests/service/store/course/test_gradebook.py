@@ -2,7 +2,6 @@
 what is forgiven.
 """
 
-import importlib
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -59,18 +58,6 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
     assert listed == ["ann", "zoe"]
     row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))
     assert (row.submitted, row.students, row.open, row.faults, row.regrades) == (1, 2, 1, 0, 0)
-
-
-def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(database_url):
-    marks = {"2-energy": "✓", "2-momentum": ("✗", 0.5), "2-motion": "⏱", "2-pointwise": "!", "2-secret": "–"}
-    run(database_url, lambda database: hand_in(database, "ann", marks))
-    written = sql(database_url, "DELETE FROM outcome RETURNING *")
-    of_0004 = importlib.import_module("service.store.migrations.versions.0004_dashboard").KNOWN
-    of_0007 = importlib.import_module("service.store.migrations.versions.0007_points").EARNED
-    sql(database_url, "ALTER TABLE outcome ALTER points SET DEFAULT 1, ALTER earned SET DEFAULT 0")
-    sql(database_url, of_0004.replace("attempt_id", "grading_id"))  # as revision 0006 calls it
-    sql(database_url, of_0007)
-    assert sorted(sql(database_url, "SELECT * FROM outcome")) == sorted(written) and len(written) == 5
 
 
 def test_points_given_count_instead(database_url):

@@ -113,13 +113,6 @@ KIT = [
         ("tests/exercises/test_author_notebook.py",),
     ),
     Breakage(
-        "an assignment's kit holds all assignments",
-        "exercises/wheel.py",
-        "if slug is None else [find(slug)]",
-        "if slug is None else [find(slug), *assignments().values()]",
-        ("tests/exercises/test_wheel.py",),
-    ),
-    Breakage(
         "ecp.check passes a play one function only",
         "exercises/kit/ecp/local.py",
         "play(*question, names, scene.inputs)",

@@ -91,7 +91,7 @@ docs: .venv/docs  ## build the documentation site in .site/html (SERVE=8001: the
 	@$(if $(SERVE),$(BIN)/python -m http.server --bind 127.0.0.1 --directory .site/html $(SERVE),echo "polhode: the site is .site/html/index.html; make docs SERVE=8001 serves it")
 
 bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, attacks by connections, pages, and other autograders
-	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
+	@$(CLEAN_ENV) $(BIN)/python -m bench.exact_speed
 	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.notebook

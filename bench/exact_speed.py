@@ -13,7 +13,6 @@ import numpy as np
 
 from exercises.catalogue import find
 from reference import Exact, box_moments, motion
-from reference.compiled import compiled_motion
 
 ROOT = Path(__file__).parents[1]
 BOOK = tuple(box_moments(1, 2, 1.4, 0.4))
@@ -54,45 +53,34 @@ def speed(rounds: int = 21, row: int = 20) -> None:
     in a row.
     """
     integrate = notebook()
-    heads = ("numpy, single", "in a row", "compiled, single", "in a row")
-    print(f"{'scene':22} {'model':10} {'notebook':>9} ", *(f"{head:>16}" for head in heads))
+    print(f"{'scene':22} {'model':10} {'notebook':>9} {'single':>16} {'in a row':>16}")
     for name, (w0, I, t_end, n) in SCENES.items():
         t = np.linspace(0, t_end, n)
         slow = lambda w0=w0, I=I, t=t: integrate(euler_eqs, w0, I, t)  # noqa: E731
-        cells = []
-        for quick in (
-            lambda w0=w0, I=I, t=t: motion(w0, I, t, need="orientation"),
-            lambda w0=w0, I=I, t=t: compiled_motion(w0, I, t),
-        ):
-            quick()
-            rows = [(seconds(slow), seconds(quick), seconds(quick, row)) for _ in range(rounds)]
-            times = [statistics.median(r[k] for r in rows) for k in range(3)]
-            ratios = [statistics.median(r[0] / r[k] for r in rows) for k in (1, 2)]
-            cells += [f"{times[k] * 1e6:7.0f}us {ratios[k - 1]:5.0f}x" for k in (1, 2)]
-        print(
-            f"{name:22} {Exact(w0, I).model:10} {times[0] * 1e3:7.1f}ms ", *(f"{cell:>16}" for cell in cells)
-        )
+        quick = lambda w0=w0, I=I, t=t: motion(w0, I, t, need="orientation")  # noqa: E731
+        quick()
+        rows = [(seconds(slow), seconds(quick), seconds(quick, row)) for _ in range(rounds)]
+        times = [statistics.median(r[k] for r in rows) for k in range(3)]
+        ratios = [statistics.median(r[0] / r[k] for r in rows) for k in (1, 2)]
+        cells = [f"{times[k] * 1e6:7.0f}us {ratios[k - 1]:5.0f}x" for k in (1, 2)]
+        print(f"{name:22} {Exact(w0, I).model:10} {times[0] * 1e3:7.1f}ms {cells[0]:>16} {cells[1]:>16}")
 
 
 def accuracy() -> None:
     """Print the largest errors against the 60-digit truth, for each family of bodies."""
     truth = np.load(ROOT / "tests" / "reference" / "truth.npz")
     names = ("generic", "separatrix", "tennis", "near-symmetric", "rod", "near-steady")
-    print(f"\n{'family':16} {'bodies':>6} {'omega':>9} {'R':>9} {'omega, compiled':>16} {'R, compiled':>12}")
+    print(f"\n{'family':16} {'bodies':>6} {'omega':>9} {'R':>9}")
     for family, name in enumerate(names):
         chosen = np.flatnonzero(truth["family"] == family)
-        worst = np.zeros(4)
+        worst = np.zeros(2)
         for i in chosen:
+            w, R = Exact(truth["w0"][i], truth["I"][i]).sample(truth["t"][i], orientation=True)
             spin = np.linalg.norm(truth["w0"][i])
-            for k, (w, R) in enumerate(
-                (
-                    Exact(truth["w0"][i], truth["I"][i]).sample(truth["t"][i], orientation=True),
-                    compiled_motion(truth["w0"][i], truth["I"][i], truth["t"][i]),
-                )
-            ):
-                errors = [np.abs(w.T - truth["w"][i]).max() / spin, np.abs(R - truth["R"][i]).max()]
-                worst[2 * k : 2 * k + 2] = np.maximum(worst[2 * k : 2 * k + 2], errors)
-        print(f"{name:16} {len(chosen):6} {worst[0]:9.1e} {worst[1]:9.1e} {worst[2]:16.1e} {worst[3]:12.1e}")
+            worst = np.maximum(
+                worst, [np.abs(w.T - truth["w"][i]).max() / spin, np.abs(R - truth["R"][i]).max()]
+            )
+        print(f"{name:16} {len(chosen):6} {worst[0]:9.1e} {worst[1]:9.1e}")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,6 @@ from reference.methods.liegroup import LIEGROUP
 from reference.methods.moser_veselov import MOSER_VESELOV
 from reference.methods.splitting import SPLITTING
 
-METHODS: tuple[Method, ...] = (*EXPLICIT, *GAUSS, *SPLITTING, *LIEGROUP, *MOSER_VESELOV, *ADAPTIVE, *CLOSED)
+METHODS: tuple[Method, ...] = (*EXPLICIT, *GAUSS, *SPLITTING, *LIEGROUP, *MOSER_VESELOV, *ADAPTIVE, CLOSED)
 
 __all__ = ["HEAVY", "METHODS", "Method", "Run", "Scene"]

@@ -67,19 +67,19 @@ def scenes(document: dict[str, Any]) -> list[str]:
     return list(dict.fromkeys(p["scene"] for p in document["points"]))
 
 
-def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the points with an error of at most 1e-8 that cost less CPU time than the exact solution of
-    their scene.
-    """
-    price = {p["scene"]: p["ratio"] for p in document["points"] if p["method"] == "exact"}
+def accurate(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the steppers' points with an error of at most 1e-8."""
     return [
         p
         for p in document["points"]
-        if p["line"] != "closed form"
-        and error(p) is not None
-        and (error(p) or 0.0) <= 1e-8
-        and p["ratio"] < price[p["scene"]]
+        if p["line"] != "closed form" and error(p) is not None and (error(p) or 0.0) <= 1e-8
     ]
+
+
+def cheaper(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the accurate points that cost less CPU time than the exact solution of their scene."""
+    price = {p["scene"]: p["ratio"] for p in document["points"] if p["method"] == "exact"}
+    return [p for p in accurate(document) if p["ratio"] < price[p["scene"]]]
 
 
 def _write_document(path: Path, **measured: Any) -> dict[str, Any]:

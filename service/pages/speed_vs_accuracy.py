@@ -25,7 +25,8 @@ async def reference(request: Request, person: OptionalUser) -> HTMLResponse:
         "document": document,
         "atlas": atlas,
         "scenes": charts.scenes(document),
-        "exceptions": charts.exceptions(document),
+        "accurate": charts.accurate(document),
+        "cheaper": charts.cheaper(document),
     }
     return templates.TemplateResponse(request, "reference.html", context)
 

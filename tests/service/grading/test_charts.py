@@ -98,7 +98,7 @@ def test_the_measurement_that_comes_along_has_matplotlib():
     assert all(entry["holds"] for entry in charts.load_stability()["entries"])
 
 
-def test_exceptions_are_told_and_not_hidden():
+def test_what_is_accurate_and_cheaper_than_the_exact_solution_is_told_and_not_hidden():
     document = {
         "points": [
             {
@@ -121,6 +121,15 @@ def test_exceptions_are_told_and_not_hidden():
             },
             {
                 "scene": "s",
+                "method": "dear",
+                "line": "explicit",
+                "setting": 2,
+                "error_w": 1e-9,
+                "error_R": 1e-9,
+                "ratio": 0.2,
+            },
+            {
+                "scene": "s",
                 "method": "coarse",
                 "line": "explicit",
                 "setting": 1,
@@ -139,7 +148,13 @@ def test_exceptions_are_told_and_not_hidden():
             },
         ]
     }
-    assert [p["method"] for p in charts.exceptions(document)] == ["cheap"]
+    assert [p["method"] for p in charts.accurate(document)] == ["cheap", "dear"]
+    assert [p["method"] for p in charts.cheaper(document)] == ["cheap"]
+
+
+def test_what_is_cheaper_than_the_exact_solution_is_compiled_as_the_page_says():
+    cheaper = charts.cheaper(charts.load_work_precision())
+    assert cheaper and {p["line"] for p in cheaper}.isdisjoint({"adaptive", "closed form"})
 
 
 def made(cost, error, method="m", line="explicit"):

@@ -20,28 +20,28 @@ help:  ## list the targets
 
 env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 
-.venv/runtime: requirements.lock pyproject.toml
+.venv/runtime: requirements/runtime.lock pyproject.toml
 	@echo "polhode: installing into .venv (first time: one or two minutes)"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	@$(INSTALL) --require-hashes -r requirements.lock
+	@$(INSTALL) --require-hashes -r requirements/runtime.lock
 	@$(INSTALL) --no-deps --no-build-isolation -e .
 	@chmod -R o+rX exercises/kit service/sandbox/guest  # a sandbox that root starts reads them as another user
 	@rm -rf .venv/lib/python3*/site-packages/ecp .venv/lib/python3*/site-packages/service  # hatch's copies of editable packages
 	@touch $@
 
-.venv/tests: .venv/runtime requirements-test.lock
+.venv/tests: .venv/runtime requirements/test.lock
 	@echo "polhode: installing the test dependencies"
-	@$(INSTALL) --require-hashes -r requirements-test.lock
+	@$(INSTALL) --require-hashes -r requirements/test.lock
 	@touch $@
 
-.venv/docs: .venv/runtime requirements-docs.lock
+.venv/docs: .venv/runtime requirements/docs.lock
 	@echo "polhode: installing the documentation's generator"
-	@$(INSTALL) --require-hashes -r requirements-docs.lock
+	@$(INSTALL) --require-hashes -r requirements/docs.lock
 	@touch $@
 
-.venv/release: .venv/runtime requirements-release.lock
+.venv/release: .venv/runtime requirements/release.lock
 	@echo "polhode: installing the tools that check a release"
-	@$(INSTALL) --require-hashes -r requirements-release.lock
+	@$(INSTALL) --require-hashes -r requirements/release.lock
 	@touch $@
 
 # Install a browser if permitted; without one the browser tests are skipped.
@@ -117,12 +117,12 @@ release-check: .venv/release  ## build wheel and sdist in dist, check both, and 
 
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)
-	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
-	uv export --quiet --format requirements.txt --all-groups --no-group docs --no-group release --all-extras --no-emit-project --no-header --output-file requirements-test.lock
-	echo uv | uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --output-file requirements-uv.lock -
+	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements/runtime.lock
+	uv export --quiet --format requirements.txt --all-groups --no-group docs --no-group release --all-extras --no-emit-project --no-header --output-file requirements/test.lock
+	echo uv | uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --output-file requirements/installer.lock -
 	for group in docs release; do uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-		--constraint requirements-test.lock --group $$group --output-file requirements-$$group.lock; done
-	@! grep -nE 'https?://' requirements*.lock
+		--constraint requirements/test.lock --group $$group --output-file requirements/$$group.lock; done
+	@! grep -nE 'https?://' requirements/*.lock
 
 clean:  ## remove everything that the other targets created
 	rm -rf .venv .demo .data .bench .site .cache dist .pytest_cache .mypy_cache .ruff_cache

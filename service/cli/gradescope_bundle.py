@@ -26,7 +26,7 @@ from service.grading.grade import select
 METADATA = "Metadata-Version: 2.1\nName: polhode\nVersion: {version}\nLicense: MIT\nRequires-Python: >=3.11\n"
 """It lists no requirements: those of a checkout may be outdated, and the lock file has all of them."""
 KEPT = ("entry_points.txt", "licenses/LICENSE")  # copied from the installed distribution's metadata
-LOCK = "requirements.lock"
+LOCK = "requirements.lock"  # in the zip and in the wheel
 HERE = Path(__file__).parent / "gradescope_zip"
 LEFT_OUT = ("__pycache__", "kit", "samples")
 SCRIPTS = ("setup.sh", "run_autograder")
@@ -75,8 +75,8 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
 
 def lock() -> bytes:
     """Return the hashed requirements, from the checkout or from the copy in the installed wheel."""
-    checkout = HERE.parents[2]
-    return (checkout / LOCK if (checkout / "pyproject.toml").is_file() else HERE / LOCK).read_bytes()
+    in_checkout = HERE.parents[2] / "requirements" / "runtime.lock"
+    return (in_checkout if in_checkout.is_file() else HERE / LOCK).read_bytes()
 
 
 def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:

@@ -43,7 +43,7 @@ def test_an_assignment_declares_names(rigid_body, declared):
 
 
 def test_an_installation_of_polhode_has_the_packages_of_the_courses_assignments():
-    lock = (ROOT / "requirements.lock").read_text()
+    lock = (ROOT / "requirements/runtime.lock").read_text()
     declared = {
         name
         for one in assignments().values()

@@ -194,8 +194,12 @@ def test_links_between_pages_lead_to_a_heading(page):
 
 
 def test_nothing_names_a_package_registry_and_no_page_names_another_host():
-    for name in ("requirements.lock", "requirements-test.lock"):
-        assert "://" not in doc(name)
+    locks = sorted((ROOT / "requirements").iterdir())
+    assert [lock.name for lock in locks] == [
+        f"{name}.lock" for name in ("docs", "installer", "release", "runtime", "test")
+    ]
+    for lock in locks:
+        assert "://" not in lock.read_text(), lock
     for page in [*(ROOT / "service/pages/templates").iterdir(), *(ROOT / "service/pages/static").iterdir()]:
         assert b"://" not in page.read_bytes(), page
 

@@ -20,7 +20,7 @@ from tests.support.fake_server import Scripted, says
 
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = re.sub(r"\\\n", "", (ROOT / "Dockerfile").read_text())
-LOCKS = ("requirements.lock", "requirements-uv.lock")
+LOCKS = ("requirements/runtime.lock", "requirements/installer.lock")
 PLANTED = (
     ".env",
     ".venv/bin/python",

@@ -128,7 +128,7 @@ def use(wheel: Path, python: str) -> None:
             "--quiet",
             "--disable-pip-version-check",
         ]
-        run(*install, "--require-hashes", "-r", ROOT / "requirements.lock", env=environment)
+        run(*install, "--require-hashes", "-r", ROOT / "requirements/runtime.lock", env=environment)
         run(*install, "--no-deps", wheel, env=environment)
         run(folder / "venv/bin/python", "-m", "pip", "check", env=environment)
         polhode = folder / "venv/bin/polhode"

@@ -31,7 +31,7 @@ def project(tmp_path):
     folder = tmp_path / "project"
     (folder / "submissions").mkdir(parents=True)
     told = shell([CLONE], folder, GRADER=ours)
-    assert told.returncode == 0 and (folder / ".polhode/requirements.lock").is_file(), told.stderr
+    assert told.returncode == 0 and (folder / ".polhode/requirements/runtime.lock").is_file(), told.stderr
     installed(folder / ".polhode")
     return folder
 

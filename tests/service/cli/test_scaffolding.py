@@ -99,7 +99,7 @@ def test_it_passes_the_repositorys_lint(course):
 def tree(tmp_path_factory):
     """A copy of the repository with an assignment more, made by the command."""
     tree = tmp_path_factory.mktemp("tree")
-    for name in ("exercises", "reference", "service", "tests", "docs"):
+    for name in ("exercises", "reference", "service", "tests", "docs", "requirements"):
         shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "attacks"))
     for name in (
         "pyproject.toml",
@@ -108,7 +108,6 @@ def tree(tmp_path_factory):
         "action.yml",
         *ROOT.glob("*.md"),
         *ROOT.glob("*.cff"),
-        *ROOT.glob("*.lock"),
     ):
         shutil.copy(ROOT / name, tree)
     made = inside(tree, "-m", "service.cli", "new-assignment", "driven-pendulum", "--title", TITLE)

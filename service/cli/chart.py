@@ -65,7 +65,8 @@ def _chart(arguments: argparse.Namespace) -> None:
         if missing.name != "numba":
             raise
         raise CommandError(
-            "the reference methods need numba, which is not installed: pip install numba"
+            "the reference methods need numba: install polhode's wheel with its extra charts,"
+            " or in a clone run make .venv/tests"
         ) from missing
 
 

@@ -60,7 +60,7 @@ async def send(
 
 
 def job_arguments(grading: UUID) -> dict[str, JSONValue]:
-    """Return the arguments of a job, which are the same in jobs queued by older versions."""
+    """Return the arguments of a job, by which the index ``job_of_grading`` finds it."""
     return {"attempt": str(grading)}
 
 

@@ -19,6 +19,7 @@ TABLES = (
     "run", "secret",
     "source_comment", "submission", "token", "worker",
 )  # fmt: skip
+MIGRATIONS = Path(__file__).parent / "migrations"
 # An arbitrary constant: a number names PostgreSQL's advisory locks.
 MIGRATION_LOCK = 2_6_2026
 MISSING_TABLES = f"""
@@ -83,7 +84,7 @@ def _check_schema(url: str) -> None:
 
 def _alembic_config() -> Config:
     config = Config()
-    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config.set_main_option("script_location", str(MIGRATIONS))
     return config
 
 

@@ -297,11 +297,4 @@ STORE = [
             "tests/service/store/test_runs.py::test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one",
         ),
     ),
-    Breakage(
-        "a migration drops results",
-        "service/store/migrations/versions/0004_dashboard.py",
-        "    op.execute(KNOWN)",
-        '    op.execute("DELETE FROM result WHERE fault IS NOT NULL")\n    op.execute(KNOWN)',
-        ("tests/service/store/test_schema.py",),
-    ),
 ]

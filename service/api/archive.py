@@ -5,10 +5,9 @@ whole.
 import asyncio
 import json
 from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
-from contextlib import closing, suppress
+from contextlib import closing
 from datetime import UTC, datetime
 
-from ecp.document import NotADocument
 from ecp.document import read as read_document
 from ecp.report import Report
 from service.formats.filenames import UniqueNames, ZipStream, safe_filename
@@ -98,13 +97,13 @@ class Folders:
 
 
 def _reports(row: Row) -> dict[str, str]:
-    """Return the report as JSON and as text; only as JSON if it is in an old format."""
+    """Return the report as JSON and as text."""
     if row.report is None:
         return {}
-    files = {"report.json": json.dumps(row.report, ensure_ascii=False, indent=1)}
-    with suppress(NotADocument):
-        files["report.txt"] = read_document(Report, row.report).text()
-    return files
+    return {
+        "report.json": json.dumps(row.report, ensure_ascii=False, indent=1),
+        "report.txt": read_document(Report, row.report).text(),
+    }
 
 
 def _line(row: Row, folder: str) -> list[Value]:

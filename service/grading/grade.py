@@ -150,7 +150,10 @@ def _grade(
             motions=crossed.how,
             chains=chains.used,
         ),
-        not_attempted=missed,
+        total=assignment.max_points(numbers, result.defined),
+        max_points=assignment.max_points(numbers),
+        bonus_points=assignment.bonus_points(numbers),
+        not_attempted=[e.number for e in asked if e not in covered],
     )
     return Graded(report, covered, shown, budget.cpu_s, _judged(played.recalled, shown))
 

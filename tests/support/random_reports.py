@@ -83,11 +83,8 @@ def reports(draw):
         "notebook_checks": draw(st.lists(claims, max_size=2)),
     }
     drawn = report(made[:cut], made[cut:], stdout=draw(TEXTS), figures=figures, **more)
-    if draw(st.booleans()):
-        drawn.not_attempted = (
-            draw(st.lists(st.sampled_from(["5", "6"]), unique=True)) if drawn.max_score else []
-        )
-        drawn.total = drawn.max_score + ASSIGNMENT.max_points(drawn.not_attempted)
+    drawn.not_attempted = draw(st.lists(st.sampled_from(["5", "6"]), unique=True)) if drawn.max_score else []
+    drawn.total = drawn.max_points = drawn.max_score + ASSIGNMENT.max_points(drawn.not_attempted)
     return drawn
 
 

@@ -52,7 +52,7 @@ def outcome(id, verdict="pass", label="", **more):
 
 def report(*exercises, **more):
     """Build a report of exercises 1, 2, …, each a list of outcomes; ``more`` sets or replaces any field of
-    the report.
+    the report. Without a ``total``, every exercise was attempted.
     """
     sections = [
         ExerciseReport(str(k), f"Title {k}", list(outcomes)) for k, outcomes in enumerate(exercises, start=1)

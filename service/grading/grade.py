@@ -130,14 +130,11 @@ def _grade(
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}
     figures, animations = pictures(covered, shown)
-    missed, numbers = [e.number for e in asked if e not in covered], [e.number for e in asked]
+    numbers = [e.number for e in asked]
     report = Report(
         assignment=assignment.slug,
         version=assignment.version,
         exercises=sections,
-        total=assignment.max_points(numbers, result.defined),
-        max_points=assignment.max_points(numbers),
-        bonus_points=assignment.bonus_points(numbers),
         figures=figures,
         animations=animations,
         scene_ends=[*result.cells.values(), *(e for e in result.scene_ends.values() if e.scene in reported)],

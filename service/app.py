@@ -48,6 +48,7 @@ from service.pages import (
     submission,
 )
 from service.pages import feedback as feedback_pages
+from service.pages.rejected_forms import form_state
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret
@@ -84,7 +85,7 @@ PAGES = (
     oidc.router,
     api_reference.router,
 )
-ENVIRONMENT.globals["csrf"] = forms.csrf_field
+ENVIRONMENT.globals |= {"csrf": forms.csrf_field, "form_state": form_state}
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 

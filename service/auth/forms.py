@@ -11,7 +11,7 @@ from starlette.datastructures import FormData, UploadFile
 from service.auth.identity import Person, same_origin
 from service.auth.roles import CurrentUser, OptionalUser
 from service.auth.sessions import BrowserCookies, Cookies
-from service.http.errors import Problem
+from service.http.errors import Problem, encodable
 from service.http.requests import read_capped
 
 Default = TypeVar("Default", float, None)
@@ -51,7 +51,7 @@ async def checked_public_form(
         form = await request.form(max_files=1, max_fields=200)
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be parsed: {error}") from error
-    request.state.form = form  # for the page with an error
+    request.state.form = form  # to show what was typed again
     if not hmac.compare_digest(raw_field(form, FIELD).encode(), csrf_token(person, cookies).encode()):
         await form.close()
         raise Problem(403, "not-allowed", STALE)
@@ -109,8 +109,7 @@ def raw_field(form: FormData, name: str, most: int = 1000) -> str:
     Raises Problem 422 if it is longer than ``most`` characters.
     """
     value = form.get(name)
-    # The form declares its own encoding, which may decode to lone surrogates.
-    text = value.encode("utf-8", "replace").decode() if isinstance(value, str) else ""
+    text = encodable(value) if isinstance(value, str) else ""
     if len(text) > most:
         raise Problem(
             422, "invalid-request", f"{name} is too long: use at most {most} characters", f"/{name}"

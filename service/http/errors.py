@@ -12,7 +12,6 @@ from fastapi.responses import JSONResponse, Response
 from procrastinate.exceptions import ConnectorException
 from starlette.exceptions import HTTPException
 
-from service.http.form_errors import page_with_error
 from service.http.templating import templates
 from service.store.database import DatabaseLost, is_loss, is_outage
 
@@ -105,21 +104,21 @@ def problem_response(
         "type": f"urn:polhode:problem:{kind}",
         "title": TITLES.get(kind, "Error"),
         "status": status,
-        "detail": _encodable(detail),
+        "detail": encodable(detail),
     }
     if errors:
-        body["errors"] = [{key: _encodable(value) for key, value in error.items()} for error in errors]
+        body["errors"] = [{key: encodable(value) for key, value in error.items()} for error in errors]
     return JSONResponse(body, status, headers, media_type=PROBLEM_TYPE)
 
 
-def _encodable(text: str) -> str:
-    # A detail may repeat parts of the request, which can contain lone surrogates.
+def encodable(text: str) -> str:
+    """Return the text with "?" for lone surrogates, which parts of a request may contain."""
     return text.encode("utf-8", "replace").decode()
 
 
 async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
-    return await _respond(
+    return _respond(
         request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
     )
 
@@ -129,7 +128,7 @@ def wants_page(request: Request) -> bool:
     return not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", "")
 
 
-async def _respond(
+def _respond(
     request: Request,
     problem: Problem,
     errors: list[dict[str, str]] | None = None,
@@ -138,12 +137,7 @@ async def _respond(
     headers = {**problem.headers(), **(more or {})}
     if not wants_page(request):
         return problem_response(problem.status, problem.kind, problem.detail, errors, **headers)
-    detail = _encodable(problem.detail)
-    page = await page_with_error(request, problem.status, detail, errors[0]["pointer"] if errors else None)
-    if page is not None:
-        page.headers.update(headers)
-        return page
-    context = {"title": PAGE_TITLES.get(problem.kind, "Error"), "detail": detail}
+    context = {"title": PAGE_TITLES.get(problem.kind, "Error"), "detail": encodable(problem.detail)}
     return templates.TemplateResponse(
         request, "problem.html", context, status_code=problem.status, headers=headers
     )
@@ -155,13 +149,13 @@ async def _http(request: Request, error: Exception) -> Response:
         BY_STATUS.get(error.status_code, "invalid-request"),
         f"{error.detail}: {request.method} {request.url.path}",
     )
-    return await _respond(request, Problem(error.status_code, kind, detail), more=error.headers)
+    return _respond(request, Problem(error.status_code, kind, detail), more=error.headers)
 
 
 async def _validation(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
-    return await _respond(
+    return _respond(
         request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors
     )
 
@@ -181,10 +175,8 @@ async def _outage(logged: dict[str, float], request: Request, error: Exception) 
             "this server has lost its database, and nothing can be stored until the course staff has restored"
             " it: keep your work"
         )
-        return await _respond(request, Problem(503, "database-lost", detail, retry_after=60))
-    return await _respond(
-        request, Problem(503, "busy", "the database does not respond: try again in a moment")
-    )
+        return _respond(request, Problem(503, "database-lost", detail, retry_after=60))
+    return _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
 
 
 def internal_error() -> JSONResponse:

@@ -14,6 +14,7 @@ from service.auth.roles import CurrentUser
 from service.http.errors import Problem
 from service.http.state import Config, Db, Held
 from service.http.templating import templates
+from service.pages.rejected_forms import post_form
 from service.settings import Settings
 from service.store.course import audit, credentials, people, tokens
 
@@ -33,7 +34,7 @@ async def show(
     return await _page(request, person, settings, database, done=DONE.get(done))
 
 
-@router.post("/account/password")
+@post_form(router, "/account/password", page=show, at="/account")
 async def set_password(
     person: CurrentUser,
     form: Form,
@@ -53,7 +54,7 @@ async def set_password(
     return RedirectResponse("/account?done=password", 303)
 
 
-@router.post("/account/revoke")
+@post_form(router, "/account/revoke", page=show, at="/account")
 async def revoke(person: CurrentUser, form: Form, database: Db) -> Response:
     """Revoke one token or session of the person."""
     _check_account(person)
@@ -77,7 +78,7 @@ async def revoke(person: CurrentUser, form: Form, database: Db) -> Response:
     return RedirectResponse("/account?done=revoked", 303)
 
 
-@router.post("/account/logout-everywhere")
+@post_form(router, "/account/logout-everywhere", page=show, at="/account")
 async def logout_everywhere(person: CurrentUser, form: Form, database: Db) -> Response:
     """End the person's sessions in all browsers."""
     _check_account(person)

@@ -22,6 +22,7 @@ from service.store import sweeps
 from service.store.course import deadlines, gradebook, outcomes
 
 router = APIRouter()
+SETTINGS, SUBMISSIONS = "/assignments/{slug}/class/settings", "/assignments/{slug}/class/submissions"
 
 
 class SubmissionFilter(BaseModel):
@@ -109,7 +110,7 @@ async def show_checks(request: Request, person: Staff, assignment: Assigned, dat
     )
 
 
-@router.get("/assignments/{slug}/class/submissions", response_class=HTMLResponse)
+@router.get(SUBMISSIONS, response_class=HTMLResponse)
 async def show_submissions(
     request: Request,
     person: Staff,
@@ -146,7 +147,7 @@ async def show_submissions(
     return page if check else _compressed(request, page)
 
 
-@router.get("/assignments/{slug}/class/settings", response_class=HTMLResponse)
+@router.get(SETTINGS, response_class=HTMLResponse)
 async def show_settings(
     request: Request,
     person: Staff,

@@ -21,6 +21,7 @@ from service.formats.grade_row import total_percent
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
+from service.pages.rejected_forms import post_form
 from service.store.course import course_settings, gradebook, progress
 from service.store.course.audit import MOST, entries
 from service.store.course.grades import grades
@@ -99,7 +100,7 @@ async def own_submissions(
     return templates.TemplateResponse(request, "submissions.html", context)
 
 
-@router.post("/assignments/{slug}/submissions")
+@post_form(router, "/assignments/{slug}/submissions", page=own_submissions, at="/assignments/{slug}")
 async def upload(slug: str, person: CurrentUser, origin: forms.SameOrigin, stored: Stored) -> Response:
     """Store an uploaded file as a submission, and show its page; ask first if it repeats the person's last
     submission.

@@ -14,6 +14,8 @@ from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import ZONE, find_zone, templates
+from service.pages import class_tabs
+from service.pages.rejected_forms import post_form
 from service.store.course import course_settings, gradebook
 from service.store.course.course_settings import RELEASES, CourseSettings
 from service.store.database import Row, is_outage
@@ -45,7 +47,7 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
     return templates.TemplateResponse(request, "course_settings.html", context)
 
 
-@router.post("/settings")
+@post_form(router, "/settings", page=show, at="/settings")
 async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
     """Save time zone, late penalty and the weights of the assignments."""
     zone = forms.field(form, "time_zone") or "UTC"
@@ -68,7 +70,7 @@ async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
     return RedirectResponse("/settings", 303)
 
 
-@router.post("/assignments/{slug}/release")
+@post_form(router, "/assignments/{slug}/release", page=class_tabs.show_settings, at=class_tabs.SETTINGS)
 async def set_release(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Set when the students see scores and the details of hidden checks, or release them or withdraw the
     release now.

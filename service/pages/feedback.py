@@ -15,13 +15,16 @@ from service.auth.roles import CurrentUser, Staff
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
+from service.pages import submission
+from service.pages.rejected_forms import post_form
 from service.store.course import comments, regrade_requests
 from service.store.course.regrade_requests import Answer
 
 router = APIRouter()
+LIST = "/assignments/{slug}/regrade-requests"
 
 
-@router.post("/submissions/{id}/regrade-requests")
+@post_form(router, "/submissions/{id}/regrade-requests", page=submission.report, at=submission.PATH)
 async def request_regrade(person: CurrentUser, form: Form, stored: Submission, database: Db) -> Response:
     """Request a regrade of one's own submission."""
     await feedback.request_regrade(
@@ -30,7 +33,7 @@ async def request_regrade(person: CurrentUser, form: Form, stored: Submission, d
     return RedirectResponse(f"/submissions/{stored.id}#regrade-requests", 303)
 
 
-@router.get("/assignments/{slug}/regrade-requests", response_class=HTMLResponse)
+@router.get(LIST, response_class=HTMLResponse)
 async def list_requests(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show the regrade requests about an assignment, each open one with the form of its answer."""
     rows = await regrade_requests.of_assignment(database, assignment.slug)
@@ -39,7 +42,10 @@ async def list_requests(request: Request, person: Staff, assignment: Assigned, d
     )
 
 
-@router.post("/regrade-requests/{request}/answer")
+@post_form(
+    router, "/submissions/{id}/regrade-requests/{request}/answer", page=submission.report, at=submission.PATH
+)
+@post_form(router, LIST + "/{request}/answer", page=list_requests, at=LIST)
 async def answer_request(person: Staff, form: Form, request: str, database: Db) -> Response:
     """Accept or decline a request, and show its submission."""
     status = next((one for one in get_args(Answer) if one == field(form, "status")), None)
@@ -51,7 +57,7 @@ async def answer_request(person: Staff, form: Form, request: str, database: Db) 
     return RedirectResponse(f"/submissions/{found.submission}#regrade-requests", 303)
 
 
-@router.post("/submissions/{id}/comments")
+@post_form(router, "/submissions/{id}/comments", page=submission.report, at=submission.PATH)
 async def write_comment(person: Staff, form: Form, stored: Submission, database: Db) -> Response:
     """Write a comment on a line, and show it."""
     cell, line = _number(form, "cell"), _number(form, "line")
@@ -61,7 +67,7 @@ async def write_comment(person: Staff, form: Form, stored: Submission, database:
     return RedirectResponse(f"/submissions/{stored.id}#line-{cell}-{line}", 303)
 
 
-@router.post("/submissions/{id}/comments/{comment}/delete")
+@post_form(router, "/submissions/{id}/comments/{comment}/delete", page=submission.report, at=submission.PATH)
 async def delete_comment(
     person: Staff, form: Form, stored: Submission, comment: str, database: Db
 ) -> Response:

@@ -17,6 +17,8 @@ from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import ZONE
+from service.pages import class_tabs
+from service.pages.rejected_forms import post_form
 from service.store import queue_overview, sweeps
 from service.store.course import deadlines, gradebook
 
@@ -40,14 +42,16 @@ async def class_sweep(
     return Response(await renderer.class_sweep(documents), media_type="image/svg+xml")
 
 
-@router.post("/assignments/{slug}/class/sweep")
+@post_form(
+    router, "/assignments/{slug}/class/sweep", page=class_tabs.overview, at="/assignments/{slug}/class"
+)
 async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Queue the speed vs accuracy sweep of all counted submissions, after all waiting gradings."""
     await sweeps.request_class(database, await gradebook.students(database, assignment.slug))
     return RedirectResponse(f"/assignments/{assignment.slug}/class#speed", 303)
 
 
-@router.post("/assignments/{slug}/rules")
+@post_form(router, "/assignments/{slug}/rules", page=class_tabs.show_settings, at=class_tabs.SETTINGS)
 async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Set deadline, grace period, submission limit and weight. An empty field means no limit, and the weight
     1.
@@ -65,7 +69,7 @@ async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, 
     return RedirectResponse(f"/assignments/{assignment.slug}/class/settings", 303)
 
 
-@router.post("/assignments/{slug}/extensions")
+@post_form(router, "/assignments/{slug}/extensions", page=class_tabs.show_settings, at=class_tabs.SETTINGS)
 async def extend(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Give one person a new deadline with a reason. An empty deadline removes the extension."""
     slug, due, reason = assignment.slug, _datetime(form, "due"), forms.field(form, "reason")

@@ -1,9 +1,10 @@
 """Log-in and log-out pages, and the authorization of a notebook by its code."""
 
-from typing import Any
+from typing import Annotated
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
+from pydantic import AfterValidator
 
 from service.auth import sessions
 from service.auth.forms import PublicForm, SameOrigin, field, raw_field
@@ -17,10 +18,12 @@ from service.http.errors import Problem, wants_page
 from service.http.requests import LONGEST_PATH, local_path
 from service.http.state import Config, Db, Held
 from service.http.templating import templates
-from service.settings import Settings
+from service.pages.rejected_forms import post_form
 from service.store.course import people, tokens
 
 router = APIRouter()
+Code = Annotated[str, AfterValidator(lambda code: code[:20])]
+Next = Annotated[str, AfterValidator(lambda path: local_path(path[:LONGEST_PATH]))]
 
 
 @router.get("/login", response_class=HTMLResponse)
@@ -30,63 +33,62 @@ async def login_page(
     settings: Config,
     database: Db,
     cookies: BrowserCookies,
-    code: str = "",
-    next: str = "",
+    code: Code = "",
+    next: Next = "",
 ) -> Response:
     """Show the log-in page, or the authorization page for a notebook's code."""
-    return await _page(
-        request, person, settings, database, cookies, code[:20], local_path(next[:LONGEST_PATH])
-    )
+    context = {
+        "code": code,
+        "label": await tokens.find_login(database, code) if code else None,
+        "next": next,
+        "person": person,
+        "out": "out" in request.query_params,
+        "provider": settings.oidc_issuer and settings.oidc_name,
+    }
+    response = templates.TemplateResponse(request, "login.html", context)
+    cookies.store_anonymous_id(response)
+    return response
 
 
-@router.post("/login", response_class=HTMLResponse)
+@post_form(router, "/login", page=login_page, at="/login")
 async def login(
     request: Request,
     form: PublicForm,
     visitor: Visitor,
-    settings: Config,
     database: Db,
     cookies: BrowserCookies,
     hub: Held[Hub],
     checker: Held[PasswordChecker],
     limits: Held[LoginRateLimiter],
+    code: Code = "",
+    next: Next = "",
 ) -> Response:
     """Log in by password or token and redirect to the requested page, or authorize or refuse a
     notebook's code.
     """
-    code, back = field(form, "code", 20), local_path(field(form, "next", LONGEST_PATH))
-    try:
-        token, password, name = (
-            field(form, "token"),
-            raw_field(form, "password"),
-            _normalized(field(form, "name")),
-        )
-        method = "token" if token else "password" if name or password else ""  # "" is an existing session
-        if token:
-            name = _check_login_scope(await by_token(token, database, hub))
-        elif method:
-            with limits.guard(*keys_of(request, cookies, name)):
-                await checker.check(name, password)
-        elif isinstance(visitor, Problem):
-            if not wants_page(request):
-                raise visitor
-            raise Problem(401, "nobody", "enter your name and password, or a token from your course")
-        else:
-            name = visitor.with_scope("login").name
-        if code:
-            refused = bool(field(form, "refuse"))
-            if not await tokens.confirm_login(database, code, None if refused else name):
-                raise Problem(
-                    404, "not-found", "no login request has this code: run ecp.login() again in the notebook"
-                )
-    except Problem as problem:
+    token, password, name = (
+        field(form, "token"),
+        raw_field(form, "password"),
+        _normalized(field(form, "name")),
+    )
+    method = "token" if token else "password" if name or password else ""  # "" is an existing session
+    if token:
+        name = _check_login_scope(await by_token(token, database, hub))
+    elif method:
+        with limits.guard(*keys_of(request, cookies, name)):
+            await checker.check(name, password)
+    elif isinstance(visitor, Problem):
         if not wants_page(request):
-            raise
-        person = visitor if isinstance(visitor, Person) else None
-        return await _page(
-            request, person, settings, database, cookies, code, back, problem, field(form, "name")
+            raise visitor
+        raise Problem(401, "nobody", "enter your name and password, or a token from your course")
+    else:
+        name = visitor.with_scope("login").name
+    refused = bool(field(form, "refuse"))
+    if code and not await tokens.confirm_login(database, code, None if refused else name):
+        raise Problem(
+            404, "not-found", "no login request has this code: run ecp.login() again in the notebook"
         )
-    response: Response = RedirectResponse(back or "/", 303)
+    response: Response = RedirectResponse(next or "/", 303)
     if code:
         response = templates.TemplateResponse(
             request, "login_done.html", {"person": name, "refused": refused}
@@ -123,24 +125,3 @@ def _normalized(name: str) -> str:
         return people.normalize_name(name)
     except people.InvalidName:
         return ""
-
-
-async def _page(
-    request: Request,
-    person: Person | None,
-    settings: Settings,
-    database: Db,
-    cookies: BrowserCookies,
-    code: str,
-    back: str,
-    problem: Problem | None = None,
-    name: str = "",
-) -> HTMLResponse:
-    label = await tokens.find_login(database, code) if code else None
-    context: dict[str, Any] = {"code": code, "label": label, "next": back, "person": person, "name": name}
-    context |= {"error": problem and problem.detail, "out": "out" in request.query_params}
-    context |= {"provider": settings.oidc_issuer and settings.oidc_name}
-    status, headers = (problem.status, problem.headers()) if problem else (200, {})
-    response = templates.TemplateResponse(request, "login.html", context, status_code=status, headers=headers)
-    cookies.store_anonymous_id(response)
-    return response

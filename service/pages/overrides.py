@@ -1,7 +1,6 @@
 """Score overrides: forms and list on the submission page."""
 
 import re
-from typing import Any
 
 from fastapi import APIRouter
 from fastapi.responses import RedirectResponse, Response
@@ -13,14 +12,15 @@ from service.formats.grade_row import whole
 from service.http.errors import Problem
 from service.http.requests import identifier
 from service.http.state import Db
+from service.pages import submission
+from service.pages.rejected_forms import post_form
 from service.store.course import overrides
-from service.store.records import SubmissionRecord
 
 router = APIRouter()
 STATUS = {"invalid-request": 422, "not-ready": 409, "changed-meanwhile": 409}
 
 
-@router.post("/submissions/{id}/overrides")
+@post_form(router, "/submissions/{id}/overrides", page=submission.report, at=submission.PATH)
 async def create(person: Instructor, form: Form, stored: Submission, database: Db) -> Response:
     """Override the score of a check or of the whole submission, replacing an override in force for the
     same.
@@ -47,7 +47,9 @@ async def create(person: Instructor, form: Form, stored: Submission, database: D
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
 
 
-@router.post("/submissions/{id}/overrides/{override}/withdraw")
+@post_form(
+    router, "/submissions/{id}/overrides/{override}/withdraw", page=submission.report, at=submission.PATH
+)
 async def withdraw(
     person: Instructor, form: Form, stored: Submission, override: str, database: Db
 ) -> Response:
@@ -59,26 +61,6 @@ async def withdraw(
     if not found:
         raise Problem(404, "not-found", "no override with this id: reload the page")
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
-
-
-async def context(database: Db, stored: SubmissionRecord) -> dict[str, Any]:
-    """Return the context of ``overrides.html`` for a submission."""
-    found = await overrides.of_submission(database, stored.id)
-    labels = {
-        o.id: f"{e.number}: {o.label}"
-        for e in (stored.report.exercises if stored.report else [])
-        for o in e.outcomes
-    }
-    counted = [
-        (e.number, e.title, [(o.id, o.label, o.points) for o in e.outcomes if o.counted])
-        for e in (stored.report.exercises if stored.report else [])
-    ]
-    return {
-        "overrides": found,
-        "overrides_revision": overrides.revision(found),
-        "check_labels": labels,
-        "checks_counted": counted,
-    }
 
 
 def _problem(error: overrides.OverrideRejected) -> Problem:

@@ -14,17 +14,19 @@ from service.auth.identity import Person
 from service.auth.roles import Instructor, Staff
 from service.formats.grade_row import total_percent
 from service.formats.spreadsheet_csv import table
-from service.http.errors import Problem, wants_page
+from service.http.errors import Problem
 from service.http.requests import identifier
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages.regrades import check_labels
+from service.pages.rejected_forms import post_form
 from service.store.course import audit, deadlines, notes, overrides, people, roster, tokens
 from service.store.course.grades import grades
 from service.store.database import Row
 from service.store.records import recent
 
 router = APIRouter()
+PersonName = Annotated[str, Query(max_length=people.LONGEST_NAME)]
 TOKEN_S = 200.0 * tokens.DAY_S
 MOST_PEOPLE, MOST_SUBMISSIONS, MOST_FOUND, MOST_NAMED = 5000, 500, 50, 20
 
@@ -34,31 +36,14 @@ async def show_people(
     request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
 ) -> Response:
     """Show all people of the course, and to instructors the roster import."""
-    return await _page(request, database, entered)
+    context = {"rows": await people.everybody(database), "imported": entered}
+    return templates.TemplateResponse(request, "people.html", context)
 
 
-async def _page(
-    request: Request, database: Db, entered: int | None = None, problem: Problem | None = None
-) -> Response:
-    context = {
-        "rows": await people.everybody(database),
-        "imported": entered,
-        "error": problem and problem.detail,
-    }
-    return templates.TemplateResponse(
-        request, "people.html", context, status_code=problem.status if problem else 200
-    )
-
-
-@router.post("/people/preview", response_class=HTMLResponse)
+@post_form(router, "/people/preview", page=show_people, at="/people")
 async def preview_roster(request: Request, person: Instructor, form: forms.Form, database: Db) -> Response:
     """Show what the import of a roster would add and change."""
-    try:
-        file, content, found = await _roster(form, person)
-    except Problem as problem:
-        if not wants_page(request):
-            raise
-        return await _page(request, database, problem=problem)
+    file, content, found = await _roster(form, person)
     known = {row.name: row for row in await people.everybody(database)}
     context = {
         "file": file,
@@ -76,15 +61,10 @@ async def preview_roster(request: Request, person: Instructor, form: forms.Form,
     return templates.TemplateResponse(request, "roster.html", context)
 
 
-@router.post("/people")
-async def import_roster(request: Request, person: Instructor, form: forms.Form, database: Db) -> Response:
+@post_form(router, "/people", page=show_people, at="/people")
+async def import_roster(person: Instructor, form: forms.Form, database: Db) -> Response:
     """Import people from a roster. Return their new tokens as a CSV file if requested."""
-    try:
-        file, _, found = await _roster(form, person)
-    except Problem as problem:
-        if not wants_page(request):
-            raise
-        return await _page(request, database, problem=problem)
+    file, _, found = await _roster(form, person)
     names = [entry.name for entry in found.entries] if forms.field(form, "tokens") else []
     async with database.begin() as connection:
         await people.enroll(connection, found.entries)
@@ -154,14 +134,12 @@ async def show_person(
     request: Request,
     person: Staff,
     database: Db,
-    name: Annotated[str, Query(max_length=people.LONGEST_NAME)] = "",
+    name: PersonName = "",
 ) -> Response:
     """Show a person's assignments, submissions, extensions and overrides."""
     if not name:
         return RedirectResponse("/people", 303)
-    about = None if "\x00" in name else await people.find(database, name)
-    if about is None:
-        raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
+    about = await _find(database, name)
     counted = {
         row.assignment: row for row in await grades(database, person=name) if row.assignment in assignments()
     }
@@ -185,18 +163,23 @@ async def show_person(
     return templates.TemplateResponse(request, "person.html", context)
 
 
-@router.post("/person/notes")
-async def write_note(person: Staff, form: forms.Form, database: Db) -> Response:
+@post_form(router, "/person/notes", page=show_person, at="/person")
+async def write_note(person: Staff, form: forms.Form, database: Db, name: PersonName) -> Response:
     """Add a note on a person, or remove the one whose id is in ``remove``."""
-    name = forms.field(form, "name")
-    if await people.find(database, name) is None:
-        raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
+    await _find(database, name)
     if removed := forms.field(form, "remove"):
         if not await notes.remove(database, name, identifier(removed), person.name):
             raise Problem(404, "not-found", "no note with this id: reload the page")
     else:
         await notes.write(database, name, forms.required(form, "note", notes.LONGEST), person.name)
     return RedirectResponse(f"/person?name={quote(name, safe='')}#notes", 303)
+
+
+async def _find(database: Db, name: str) -> Row:
+    found = None if "\x00" in name else await people.find(database, name)
+    if found is None:
+        raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
+    return found
 
 
 @router.get("/search", response_class=HTMLResponse)

@@ -14,6 +14,7 @@ from service.http.live import ChangeFeed
 from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates
+from service.pages.rejected_forms import post_form
 from service.settings import LEASE_S
 from service.store import gradings
 from service.store.database import Row
@@ -42,7 +43,7 @@ async def events(
         yield event
 
 
-@router.post("/queue/{grading}/cancel")
+@post_form(router, "/queue/{grading}/cancel", page=page, at="/queue")
 async def cancel(grading: str, person: Staff, form: Form, database: Db, queue: Queue) -> Response:
     """Cancel a waiting or running grading. It does not count against the student."""
     try:
@@ -59,7 +60,7 @@ async def cancel(grading: str, person: Staff, form: Form, database: Db, queue: Q
     return RedirectResponse("/queue", 303)
 
 
-@router.post("/queue/{submission}/retry")
+@post_form(router, "/queue/{submission}/retry", page=page, at="/queue")
 async def retry(submission: str, person: Staff, form: Form, database: Db, queue: Queue) -> Response:
     """Queue a new grading of a submission whose last one failed or was cancelled."""
     if not await regrade(database, [identifier(submission)], person.name, faults=True):

@@ -20,12 +20,15 @@ from service.http.live import ChangeFeed, Listener
 from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates
+from service.pages import class_tabs, submission
 from service.pages.queue import Queue
+from service.pages.rejected_forms import post_form
 from service.store import records, regrades
 from service.store.database import Row
 from service.store.regrades import BEST, EVERY, Regrade
 
 router = APIRouter()
+LIST = "/assignments/{slug}/regrades"
 _feeds: weakref.WeakValueDictionary[UUID, ChangeFeed[Any]] = weakref.WeakValueDictionary()  # of open pages
 GROUPS = ("gains", "loses", "unchanged", "faults", "overtaken")
 MOST_CHANGED = 12
@@ -41,7 +44,7 @@ async def _find(id: str, database: Db) -> Regrade:
 Found = Annotated[Regrade, Depends(_find)]
 
 
-@router.get("/assignments/{slug}/regrades", response_class=HTMLResponse)
+@router.get(LIST, response_class=HTMLResponse)
 async def list_regrades(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show the regrades of an assignment and the form that starts one."""
     context = {"assignment": assignment, "labels": check_labels(assignment)}
@@ -49,7 +52,11 @@ async def list_regrades(request: Request, person: Staff, assignment: Assigned, d
     return templates.TemplateResponse(request, "regrades.html", context)
 
 
-@router.post("/assignments/{slug}/regrades")
+@post_form(
+    router, "/assignments/{slug}/submissions/{id}/regrades", page=submission.report, at=submission.PATH
+)
+@post_form(router, class_tabs.SUBMISSIONS, page=class_tabs.show_submissions, at=class_tabs.SUBMISSIONS)
+@post_form(router, LIST, page=list_regrades, at=LIST)
 async def create(person: Staff, form: Form, assignment: Assigned, database: Db, queue: Queue) -> Response:
     """Start a preview regrade of the selected submissions. Shown results do not change."""
     which, check, description = await _selection(
@@ -105,7 +112,7 @@ async def events(
         yield event
 
 
-@router.post("/regrades/{id}/apply")
+@post_form(router, "/regrades/{id}/apply", page=page, at="/regrades/{id}")
 async def apply(person: Instructor, form: Form, regrade: Found, database: Db) -> Response:
     """Make the new results the shown ones."""
     try:
@@ -117,7 +124,7 @@ async def apply(person: Instructor, form: Form, regrade: Found, database: Db) ->
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
 
-@router.post("/regrades/{id}/drop")
+@post_form(router, "/regrades/{id}/drop", page=page, at="/regrades/{id}")
 async def drop(person: Staff, form: Form, regrade: Found, database: Db, queue: Queue) -> Response:
     """Drop a regrade and keep the shown results."""
     if person.role != "instructor" and person.name != regrade.requested_by:

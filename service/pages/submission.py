@@ -25,18 +25,18 @@ from service.grading.submission import source_locations
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
 from service.store import records, sweeps
 from service.store.artefacts import find_artefact
-from service.store.course import comments, regrade_requests
+from service.store.course import comments, overrides, regrade_requests
 from service.store.history import gradings, previous, timeline
 from service.store.records import SubmissionRecord
 
 router = APIRouter()
+PATH = "/submissions/{id}"
 
 
-@router.get("/submissions/{id}", response_class=HTMLResponse)
+@router.get(PATH, response_class=HTMLResponse)
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
 async def report(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show one submission. Staff see more details of the grading than the student."""
@@ -53,7 +53,7 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
     }
     refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
     context["sweep_refused"] = refused[0].decode() if refused else ""
-    given = {} if stored.withheld else await overrides.context(database, stored)
+    given = {} if stored.withheld else await _overrides_context(database, stored)
     return templates.TemplateResponse(request, "report.html", context | given)
 
 
@@ -99,6 +99,26 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
         "outcome_item": _markup(report_html.outcome_item),
         "check_item": _markup(report_html.item),
         "judged": lambda outcome: _judged(outcome, scene_ends),
+    }
+
+
+async def _overrides_context(database: Db, stored: SubmissionRecord) -> dict[str, Any]:
+    """Return the context of ``overrides.html`` for a submission."""
+    found = await overrides.of_submission(database, stored.id)
+    labels = {
+        o.id: f"{e.number}: {o.label}"
+        for e in (stored.report.exercises if stored.report else [])
+        for o in e.outcomes
+    }
+    counted = [
+        (e.number, e.title, [(o.id, o.label, o.points) for o in e.outcomes if o.counted])
+        for e in (stored.report.exercises if stored.report else [])
+    ]
+    return {
+        "overrides": found,
+        "overrides_revision": overrides.revision(found),
+        "check_labels": labels,
+        "checks_counted": counted,
     }
 
 

@@ -9,7 +9,7 @@ import pytest
 from tests.support.database import run
 from tests.support.submissions import hand_in
 
-pytestmark = pytest.mark.slow  # tests/service/http/test_form_errors.py has the rules
+pytestmark = pytest.mark.slow  # tests/service/pages/test_rejected_forms.py has the rules
 CLASS = "/assignments/rigid-body/class"
 
 

@@ -64,7 +64,7 @@ class Visitor:
         connection.close()
         if answer.status == 303:
             return 303, answer.headers["location"]
-        detail = re.search(r'role="alert">(.*?)</p>', text, re.DOTALL)
+        detail = re.search(r'role="alert"[^>]*>(.*?)</(?:p|span)>', text, re.DOTALL)
         return answer.status, detail[1] if detail else text
 
     def follow(self, path, last=None):

@@ -273,7 +273,8 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
     def confirm():
         while not (waiting := codes() - before):
             time.sleep(0.1)
-        Browser(asking).log_in(code=waiting.pop(), token=course)
+        login = f"/login?code={waiting.pop()}"
+        Browser(asking).send(login, login, token=course)
 
     student = threading.Thread(target=confirm)
     student.start()

@@ -377,7 +377,10 @@ def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):
         ("mine.pdf", b"x", 422, ".ipynb"),
     ):
         status, page, headers = looks("ben", f"{OWN}/submissions", at=OWN, files={"file": (name, content)})
-        assert status == code and words in page and headers["content-type"].startswith("text/html")
+        assert status == code and headers["content-type"].startswith("text/html")
+        assert re.search(
+            rf'id="refused"[^>]*>[^<]*{re.escape(words)}[^<]*; choose the file again</span>', page
+        )
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, most="")[0] == 200
 
 

@@ -90,7 +90,7 @@ BAD = {
 def test_what_is_no_roster_enters_nobody(looks, url, content):
     before = sql(url, "SELECT count(*) FROM member")[0][0]
     status, page, _ = looks("prof", "/people/preview", at="/people", files={"roster": ("r.csv", content)})
-    told = re.search(r'role="alert">(.*?)</p>', page, re.DOTALL)[1]
+    told = re.search(r'role="alert">(.*?)</span>', page, re.DOTALL)[1]
     assert status == 422 and BAD[content] in told
     assert sql(url, "SELECT count(*) FROM member")[0][0] == before
 

@@ -195,7 +195,7 @@ def test_people_have_their_names_beside_their_login_names(server, url, people):
     named = re.compile(
         f'<a href="/submissions/{sent}">Ben Ængström</a> <span class="quiet">ben</span>, rigid-body'
     )
-    open_page = people["tutor"].open("/queue")[1]
+    open_page = wait_for(lambda: named.search(page := people["tutor"].open("/queue")[1]) and page)
     assert (
         len(named.findall(open_page)) == 1 and 'aria-label="Cancel the grading of Ben Ængström"' in open_page
     )

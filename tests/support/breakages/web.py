@@ -121,6 +121,27 @@ WEB = [
         ("tests/service/pages/test_login.py::test_forms_without_their_token_are_refused_also_before_login",),
     ),
     Breakage(
+        "a rejected form has not what was typed",
+        "service/pages/rejected_forms.py",
+        "return encodable(typed) if isinstance(typed, str) else stored",
+        "return stored",
+        ("tests/service/pages/test_rejected_forms.py",),
+    ),
+    Breakage(
+        "a rejected form is a page without the reason",
+        "service/pages/rejected_forms.py",
+        "if state.shown:",
+        "if state:",
+        ("tests/service/pages/test_rejected_forms.py::test_without_the_form_the_error_is_a_page",),
+    ),
+    Breakage(
+        "a page contains the password of its rejected form",
+        "service/pages/templates/account.html",
+        'type="password" {{ field(form, "again") }}',
+        'type="password" {{ field(form, "again") }} value="{{ form.value("again") }}"',
+        ("tests/service/pages/test_rejected_forms.py::test_what_no_page_can_contain_is_asked_for",),
+    ),
+    Breakage(
         "a read-only token may send forms",
         "service/auth/forms.py",
         'person.with_scope("login")  #',

@@ -20,9 +20,8 @@ from multiprocessing.sharedctypes import Synchronized
 from bench.queue import PATH, SOURCE, line, quantile, server
 
 IDLE, SLOW = 2000, 200
-ADDRESSES = [
-    f"127.0.1.{k}" for k in range(1, 9)
-]  # a loopback address other than 127.0.0.1 is no proxy to the server
+# a loopback address other than 127.0.0.1 is no proxy to the server
+ADDRESSES = [f"127.0.1.{k}" for k in range(1, 9)]
 SUBMISSIONS, PAUSE_S = 300, 0.05
 GOAL_MS = 100.0
 UNFINISHED = b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n"

@@ -222,15 +222,15 @@ def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
         arrivals.service.tolist(),
         np.empty(len(arrivals.person)),
     )
-    events = [
-        (moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())
-    ]  # (time, is an arrival, submission)
+    # (time, is an arrival, submission)
+    events = [(moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())]
     unfinished: dict[int, list[int]] = {one: [] for one in person}  # oldest first
+    # a submission that does not wait has rank 0
     rank, place, places = (
         [0] * len(events),
         [0] * len(events),
         count(),
-    )  # a submission that does not wait has rank 0
+    )
     queue: list[
         tuple[int, int, int]
     ] = []  # (rank, place, submission); void if the submission's place has changed

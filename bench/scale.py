@@ -231,9 +231,8 @@ def postgres(folder: Path, number: int, quota: float | None) -> Iterator[tuple[l
                         (group / "cgroup.procs").write_text(str(one))
             yield urls, main
         finally:
-            os.kill(
-                int((data / "postmaster.pid").read_text().split("\n")[0]), signal.SIGINT
-            )  # its parent cannot signal it
+            # its parent cannot signal it
+            os.kill(int((data / "postmaster.pid").read_text().split("\n")[0]), signal.SIGINT)
             process.wait(60)
             if group.exists():
                 group.rmdir()

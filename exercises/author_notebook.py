@@ -12,10 +12,11 @@ from typing import Any
 
 from ecp.notebook.cells import DEFINITION, python_of, statements_of, without_magics
 
+# tags of cells that students must not see, and that install the kit
 SOLUTION, INSTALL = (
     "solution",
     "install",
-)  # tags of cells that students must not see, and that install the kit
+)
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _HEADING = re.compile(r"^(#{1,6})[ \t]+(.+?)[ \t#]*$", re.MULTILINE)
 _SETUP = re.compile(r"[\d.\s]*setup\W*", re.IGNORECASE)

@@ -67,9 +67,8 @@ class _Values(ast.NodeTransformer):
                 less = (self.of(right) - self.of(left)) * (1 if isinstance(op, ast.Lt | ast.LtE) else -1)
                 return _random(isinstance(op, ast.LtE | ast.GtE), _text(less / np.abs(less).max()))
         text = ast.dump(self.generic_visit(node))
-        self.calls[text] += isinstance(
-            node, ast.Call
-        )  # two equal calls may return two values, as of a random generator
+        # two equal calls may return two values, as of a random generator
+        self.calls[text] += isinstance(node, ast.Call)
         return _random(text, self.calls[text])
 
 

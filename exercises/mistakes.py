@@ -55,9 +55,8 @@ class MadeSample:
     def unexpected(self, report: Mapping[str, Any]) -> list[str]:
         """Return the differences of a report, as JSON, from the expected one, one sentence each."""
         outcomes = [o for e in report["exercises"] for o in e["outcomes"]]
-        outcomes = [
-            o for o in outcomes if LINE not in o["id"]
-        ]  # a sample of functions has no validation cells
+        # a sample of functions has no validation cells
+        outcomes = [o for o in outcomes if LINE not in o["id"]]
         failed = [o["id"] for o in outcomes if o["verdict"] != Verdict.PASS]
         if self.right:
             return [f"{id} is not ✓" for id in failed]

@@ -74,9 +74,8 @@ def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
         for question in section.questions:
             if not written >= set(question.names):
                 written |= set(question.names)
-                if question.variables and (
-                    text := inspect.getdoc(question.solution)
-                ):  # a function has its docstring in its cell
+                # a function has its docstring in its cell
+                if question.variables and (text := inspect.getdoc(question.solution)):
                     cells.append(Cell("markdown", text))
                 cells.append(
                     Cell("code", question.source.strip("\n"), _id("solution", question.id), (SOLUTION,))
@@ -162,9 +161,8 @@ def _emptied(text: str, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Class
     emptied methods.
     """
     lines, first = text.split("\n"), node.body[0]
-    before, outer = (
-        lines[n.lineno - 1].encode()[: n.col_offset].decode() for n in (first, node)
-    )  # ast counts columns in bytes
+    # ast counts columns in bytes
+    before, outer = (lines[n.lineno - 1].encode()[: n.col_offset].decode() for n in (first, node))
     own_line = not before.strip()
     indent = before if own_line else outer + "    "
     head = [*lines[_first(node) - 1 : _first(first) - 1], *([] if own_line else [before.rstrip()])]

@@ -16,9 +16,8 @@ from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
-ABSENT = re.compile(
-    rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\."
-)  # where an import of one of them, or of a neighbour, may be
+# where an import of one of them, or of a neighbour, may be
+ABSENT = re.compile(rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\.")
 REPLACEABLE = ("draw",)  # modules of the kit that only notebooks use
 MOST_DATA = 5_000_000  # bytes of a data file
 

@@ -16,10 +16,11 @@ def zipped(files: Mapping[str, bytes], runnable: Collection[str] = ()) -> bytes:
     with zipfile.ZipFile(stream, "w") as archive:
         for name, content in files.items():
             about = zipfile.ZipInfo(name, EPOCH)
+            # 3: Unix
             about.create_system, about.external_attr = (
                 3,
                 (0o100755 if name in runnable else 0o100644) << 16,
-            )  # 3: Unix
+            )
             archive.writestr(about, content, zipfile.ZIP_DEFLATED)
     return stream.getvalue()
 

@@ -87,11 +87,12 @@ def _polhode(order: list[int], moments: list[Real], w: list[Real]) -> Polhode:
     k2, kc2 = iab * dc / above, i31 * abs(d2) / above
     rate = sense * gmpy2.sqrt(above / (ia * i2 * ic))
     momentum, size_c = gmpy2.sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]), gmpy2.sqrt(ic * da / i31)
+    # of the amplitude of u at t = 0; their sum is exactly 1
     cos2, sin2, far_side = (
         qa * i31 / dc,
         q2 * icb / dc,
         sign_a * m[a] < 0,
-    )  # of the amplitude of u at t = 0; their sum is exactly 1
+    )
     offset = float(ia * icb), float(ic * iab)  # sn²(y₀, k') : cn²(y₀, k'), from the moments only
     if kc2 == 0:
         mean, start = dc / momentum**2 * ia / i31, gmpy2.asinh(gmpy2.sqrt(sin2 / cos2))

@@ -72,9 +72,8 @@ def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
         gap = 2 * gmpy2.sqrt(e)
         e = gap * mean
     quarter = gmpy2.const_pi() / 2
-    last = gmpy2.mpfr(math.atan(mean / cot) / math.pi) + (
-        cot < 0
-    )  # to a double's rounding: the doublings divide its error
+    # to a double's rounding: the doublings divide its error
+    last = gmpy2.mpfr(math.atan(mean / cot) / math.pi) + (cot < 0)
     return Integrals(
         quarter * doublings / mean,
         quarter * (b + a * mean) / (mean * (mean + p)),

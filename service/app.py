@@ -129,9 +129,8 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
             router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)]
         )
     files = StaticFiles(directory=Path(__file__).parent / "pages" / "static")
-    app.mount(
-        "/static", GZipMiddleware(files, compresslevel=6)
-    )  # pages are not: compression can leak a form's token
+    # pages are not: compression can leak a form's token
+    app.mount("/static", GZipMiddleware(files, compresslevel=6))
     app.include_router(course.others, include_in_schema=False)
     return app
 

@@ -168,14 +168,14 @@ def postgres(tmp_path_factory, left_connections):
     """
     running = EmbeddedPostgres(tmp_path_factory.mktemp("postgres") / "data")
     running.start()
-    up_for_a_lease = (
-        time.monotonic() + LEASE_S + 0.1
-    )  # before, nothing is lost: a lease begins anew with the database
+    # before, nothing is lost: a lease begins anew with the database
+    up_for_a_lease = time.monotonic() + LEASE_S + 0.1
+    # what is lost with the machine is lost with the test
     for setting in (
         "fsync",
         "full_page_writes",
         "synchronous_commit",
-    ):  # what is lost with the machine is lost with the test
+    ):
         sql(running.url, f"ALTER SYSTEM SET {setting} = off")
     sql(running.url, "SELECT pg_reload_conf()")
     migrate(running.url)

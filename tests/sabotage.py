@@ -128,9 +128,8 @@ class Copy:
             yield
         finally:
             file.write_text(text, encoding="utf-8")
-            os.utime(
-                file, ns=(stat.st_atime_ns, stat.st_mtime_ns)
-            )  # else the broken bytecode could be taken for the file's
+            # else the broken bytecode could be taken for the file's
+            os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns))
 
     def pytest(self, *arguments: str, limit_s: float = LIMIT_S) -> Run:
         """Run pytest in the copy; Stopped if the whole run is interrupted meanwhile."""

@@ -41,9 +41,8 @@ LATE = "the accelerations come before the rates; dy/dt begins with θ̇, φ̇, �
 NO_W3 = "ω₃ lacks the part φ̇ cos θ of the precession"
 
 
-def state(
-    rng, row
-):  # in turn slow tops, with k² near 0.9, and fast ones; φ̇ and ψ̇ keep the axis away from the vertical
+# in turn slow tops, with k² near 0.9, and fast ones; φ̇ and ψ̇ keep the axis away from the vertical
+def state(rng, row):
     sign = (-1) ** row
     if row % 4 < 2:
         return np.append(
@@ -195,10 +194,11 @@ def sleeping_top(w3, I1, I3, mgl):
 
 def by_eigenvalues(ratio, I1, I3, mgl):
     w3 = 2 * ratio * (I1 * mgl) ** 0.5 / I3
+    # of ω₁, ω₂ and the vertical's first two components in body axes, linearized
     k, g = (
         (I1 - I3) / I1 * w3,
         mgl / I1,
-    )  # of ω₁, ω₂ and the vertical's first two components in body axes, linearized
+    )
     rates = [[0, k, 0, g], [-k, 0, -g, 0], [0, -1, 0, w3], [1, 0, -w3, 0]]
     return (4 * mgl * I1 / I3**2) ** 0.5, max(np.linalg.eigvals(rates).real)
 
@@ -354,10 +354,11 @@ wrong = [
     ),
     mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
 ]
+# a book
 ask = {
     "w": uniform(-5, 5, 3),
     "I": lambda rng: (edges2 := rng.uniform((2.6, 1.0, 0.1), (4.8, 1.7, 0.4))).sum() - edges2,
-}  # a book
+}
 flip = values(flip_period, ask, RELATIVE, truth=lambda w, I: Exact(w, I).period / 2, mistakes=wrong)
 notebook.exercise("6", "Wobble and flip of free tops", wobble, flip)
 

@@ -315,11 +315,12 @@ wrong = [
     mistake(EXACTLY, "", "precision-loss", DEFAULT),
 ]
 fast = {"R": uniform(0.8, 1.2), "g": uniform(5, 12), "Omega": uniform(8, 11)}
+# both far from the limit between the cases
 medium = {
     "R": uniform(0.9, 1.1),
     "g": uniform(9, 10.5),
     "Omega": uniform(4, 5),
-}  # both far from the limit between the cases
+}
 agree = Tolerance(rtol=1e-6, reason=NUMERIC)
 each = {
     "slow": {"theta0": uniform(0.3, 2), **slow},

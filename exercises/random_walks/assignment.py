@@ -81,9 +81,8 @@ place_sum = estimate(
 wrong = [
     mistake("rng.random((walkers, steps))", "np.resize(rng.random((64, steps)), (walkers, steps))"),
     mistake("rng.random((walkers, steps))", "np.resize(rng.random((walkers, 64)), (walkers, steps))"),
-    mistake(
-        "np.cumsum(step,", "np.cumsum(np.vstack([step[:-1], -step[:1]]),"
-    ),  # the last walker mirrors the first
+    # the last walker mirrors the first
+    mistake("np.cumsum(step,", "np.cumsum(np.vstack([step[:-1], -step[:1]]),"),
 ]
 apart = Value(APART, label="walk: neither walkers nor steps repeat or mirror each other")
 ask = {"p": uniform(0.45, 0.55), "seed": integers(0, 999)}
@@ -272,9 +271,8 @@ wrong = [
         "wrong-index",
         "x, y and z are the same number",
     ),
-    mistake(
-        "uniform(0, L, (3, n))", "integers(0, 10, (3, n)) * L / 10 + rng.uniform(0, 1e-9, (3, n))"
-    ),  # of a grid
+    # of a grid
+    mistake("uniform(0, L, (3, n))", "integers(0, 10, (3, n)) * L / 10 + rng.uniform(0, 1e-9, (3, n))"),
 ]
 ask = {"L": uniform(1, 2), "n": 100, "rng": generator()}
 points = {"scale": lambda L: L, "call": call, "label": "points of integrate", "repetitions": 100}

@@ -9,10 +9,11 @@ from scipy.integrate._ivp import dop853_coefficients as dop853
 from reference.method import Array, fixed
 
 EULER = (np.zeros((1, 1)), np.array([1.0]))
+# Kutta, 1901
 RK4 = (
     np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
     np.array([1, 2, 2, 1]) / 6,
-)  # Kutta, 1901
+)
 # Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.5: the eighth-order formula of
 # DOP853.
 RK8 = (np.ascontiguousarray(dop853.A[:12, :12]), np.ascontiguousarray(dop853.B))

@@ -266,9 +266,8 @@ async def submit(
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
-        return _response(
-            queued, 202, {"Location": location, "Retry-After": "5"}
-        )  # the submission is stored despite the outage
+        # the submission is stored despite the outage
+        return _response(queued, 202, {"Location": location, "Retry-After": "5"})
     if accepted.repeated:
         return _response(
             _document(found, repeated=True), 200, {"Location": location, "Preference-Applied": "no-repeat"}

@@ -76,9 +76,8 @@ async def identify(
             person = await _by_header(request, settings, database) or await _by_cookie(cookies, database)
             person = person or _single_user(request, settings)
             if request.method != "GET":
-                await same_origin(
-                    request, settings, address
-                )  # browsers add cookie and proxy header to cross-site requests too
+                # browsers add cookie and proxy header to cross-site requests too
+                await same_origin(request, settings, address)
     except Problem as problem:
         if problem.status != 401:
             raise

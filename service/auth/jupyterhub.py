@@ -23,9 +23,8 @@ class Hub:
         self._url = None if api_url is None else api_url.rstrip("/") + "/user"
         self._needed = {"access:services", f"access:services!service={service}"}
         self._cache: dict[str, tuple[float, str | None]] = {}
-        self._threads = ThreadPoolExecutor(
-            4, "hub"
-        )  # a separate pool, so that a slow hub delays nothing else
+        # a separate pool, so that a slow hub delays nothing else
+        self._threads = ThreadPoolExecutor(4, "hub")
 
     async def user(self, token: str) -> str | None:
         """Return the name of the token's user, or None if the token is not valid for polhode.

@@ -216,9 +216,8 @@ class Connection(H11Protocol):
     def _start_deadline(self) -> None:
         self._began, self._received = self.loop.time(), 0
         seconds = self._all.header_s if self.conn.their_state is h11.IDLE else self._all.body_s
-        spread = (
-            1.0 + SPREAD * chance.random()
-        )  # closing and opening thousands at the same moment would delay everybody
+        # closing and opening thousands at the same moment would delay everybody
+        spread = 1.0 + SPREAD * chance.random()
         self._deadline = self.loop.call_later(seconds * spread, self._check_deadline)
 
     def _check_deadline(self) -> None:

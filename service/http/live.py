@@ -30,9 +30,8 @@ class Listener:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._waiting: defaultdict[str, dict[asyncio.Event, bool]] = defaultdict(
-            dict
-        )  # whether also for progress
+        # whether also for progress
+        self._waiting: defaultdict[str, dict[asyncio.Event, bool]] = defaultdict(dict)
         self._stopping = False
         self._task: asyncio.Task[None] | None = None
         self._positions: tuple[float, Mapping[str, int]] = (float("-inf"), {})

@@ -47,9 +47,8 @@ async def set_password(
     await _check_current_password(database, checker, limits, person.name, raw_field(form, "present"))
     stored = await checker.hash(_new_password(form, person.name))
     async with database.begin() as connection:
-        await people.add_person(
-            connection, person.name
-        )  # the proxy may name a person that the course does not know yet
+        # the proxy may name a person that the course does not know yet
+        await people.add_person(connection, person.name)
         await credentials.set_password(connection, person.name, stored, by=person.name, but=person.session)
     return RedirectResponse("/account?done=password", 303)
 

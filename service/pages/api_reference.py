@@ -49,9 +49,8 @@ async def show_api(request: Request, person: OptionalUser, address: PublicAddres
     for path, methods in document["paths"].items():
         for method, operation in methods.items():
             groups[operation["tags"][0]].append(_operation(address, schemas, method.upper(), path, operation))
-    named = sorted(
-        (name, schema) for name, schema in schemas.items() if not name.startswith("Body_")
-    )  # fields of one request
+    # fields of one request
+    named = sorted((name, schema) for name, schema in schemas.items() if not name.startswith("Body_"))
     objects = [
         (name, code(schema.get("description", "")), type_of(schema), fields(schema)) for name, schema in named
     ]

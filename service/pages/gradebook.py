@@ -24,9 +24,8 @@ from service.store.course import deadlines, gradebook
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED, MOST_WEIGHT = 60 * 24 * 366, 10_000, 1000
-YEARS = range(
-    2000, 3000
-)  # other years are typing errors; date arithmetic overflows near the ends of the calendar
+# other years are typing errors; date arithmetic overflows near the ends of the calendar
+YEARS = range(2000, 3000)
 
 
 @router.get("/assignments/{slug}/class/sweep.svg")

@@ -104,9 +104,8 @@ async def _accept(
     database: Database, new: NewSubmission, key: str | None, *, kind: str, most_open: int | None, repeat: bool
 ) -> Accepted:
     async with database.begin() as connection:
-        person = database.persons.get(new.person) or await add_person(
-            connection, new.person
-        )  # ids never change
+        # ids never change
+        person = database.persons.get(new.person) or await add_person(connection, new.person)
         request = {
             "slug": new.assignment,
             "course": COURSE,

@@ -57,9 +57,8 @@ class ClockWatch:
 
     monotonic: Callable[[], float] = time.monotonic
     jumps: int = field(default=0, init=False)
-    _offset: tuple[float, float] | None = field(
-        default=None, init=False
-    )  # lower and upper bound of the difference
+    # lower and upper bound of the difference
+    _offset: tuple[float, float] | None = field(default=None, init=False)
     _settled_at: float = field(default=float("-inf"), init=False)
 
     async def settled(self, connection: Connection, began: float, lease_s: float) -> bool:

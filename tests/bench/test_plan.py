@@ -1,4 +1,4 @@
-"""The simulated queue against waits computed by hand, against queueing theory, and as `bench.plan` prints it."""
+"""The simulated queue against waits computed by hand, against queueing theory, and as it is printed."""
 
 import math
 from dataclasses import replace
@@ -47,9 +47,8 @@ def test_one_worker_by_hand():
     given = arrivals([0, 1, 2, 20], [1, 2, 3, 4], [5, 3, 2, 1])
     assert start_times(given, 1).tolist() == [0, 5, 8, 20]
     found = summary(given, start_times(given, 1), 1, deadline_s=4)
-    assert found.waits["all"] == pytest.approx(
-        {"p50": 2.0, "p90": 5.4, "p99": 5.94, "max": 6.0}
-    )  # of 0, 0, 4 and 6
+    # of 0, 0, 4 and 6
+    assert found.waits["all"] == pytest.approx({"p50": 2.0, "p90": 5.4, "p99": 5.94, "max": 6.0})
     assert (found.longest_queue, found.emptied_s) == (2, 16)
     assert found.utilisation == 11 / 21
 
@@ -82,9 +81,8 @@ def test_persons_take_turns():
 
 def test_a_result_moves_the_next_up_though_an_earlier_one_is_still_being_graded():
     given = arrivals([0, 0.1, 0.2, 0.3, 0.4, 0.5], ["a", "b", "a", "b", "b", "a"], [10, 10, 1, 1, 1, 1])
-    assert start_times(given, 3).tolist() == pytest.approx(
-        [0, 0.1, 0.2, 1.2, 3.2, 2.2]
-    )  # a's third passes b's third, not b's second
+    # a's third passes b's third, not b's second
+    assert start_times(given, 3).tolist() == pytest.approx([0, 0.1, 0.2, 1.2, 3.2, 2.2])
 
 
 def oldest(given, begun):
@@ -120,12 +118,11 @@ def test_waits_at_a_deadline_that_two_workers_cannot_meet():
         [waits[which][q] for q in ("p50", "p99", "max")]
         for which in ("students' first", "students' no. 3", "all")
     ]
-    assert (
-        found
-        == [
-            pytest.approx(row, abs=0.1) for row in ([6.4, 22.3, 32.8], [31.3, 63.3, 72.2], [16.6, 56.1, 72.2])
-        ]
-    )  # where nobody ever moved up, all waited 10.2, 101.6 and 124.2; first come, first served: 17.7, 41.2 and 42.0
+    # where nobody ever moved up, all waited 10.2, 101.6 and 124.2; first come, first served: 17.7, 41.2 and
+    # 42.0
+    assert found == [
+        pytest.approx(row, abs=0.1) for row in ([6.4, 22.3, 32.8], [31.3, 63.3, 72.2], [16.6, 56.1, 72.2])
+    ]
 
 
 def test_the_wait_begins_anew_once_there_is_a_result():

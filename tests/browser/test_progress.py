@@ -41,9 +41,8 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     assert page.get_by_role("progressbar").get_attribute("max") == "5"
     sql(url, "UPDATE run SET ended_at = now(), end_reason = 'lost'")
     run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
-    page.get_by_text("rotational energy conserved").wait_for(
-        state="attached"
-    )  # folded, as its exercise passes
+    # folded, as its exercise passes
+    page.get_by_text("rotational energy conserved").wait_for(state="attached")
     assert not page.locator("[data-progress]").count()
     page.goto(f"{application.url}/assignments/rigid-body")
     page.evaluate(DROP, [["a.py", ""], ["b.py", ""]])

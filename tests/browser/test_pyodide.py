@@ -81,9 +81,8 @@ def pyodide(tmp_path_factory):
     )
     if packed.returncode:
         pytest.skip(f"npm cannot download {PYODIDE}: {packed.stderr[-200:]}")
-    subprocess.run(
-        ["tar", "-xzf", packed.stdout.split()[-1]], cwd=folder, check=True
-    )  # tarfile has no filter before Python 3.11.4
+    # tarfile has no filter before Python 3.11.4
+    subprocess.run(["tar", "-xzf", packed.stdout.split()[-1]], cwd=folder, check=True)
     return folder / "package", False
 
 

@@ -107,9 +107,8 @@ def test_the_hoop_is_that_of_velocities_in_space():
     for row, h in exact("4-hoop_conserved"):
         n = numbers(row)
         T = n["m"] / 2 * n["R"] ** 2 * (n["v"] ** 2 + n["Omega"] ** 2 * mpmath.sin(n["theta"]) ** 2)
-        power = (
-            n["m"] * n["R"] ** 2 * n["Omega"] ** 2 * mpmath.sin(n["theta"]) ** 2
-        )  # Ω times the angular momentum
+        # Ω times the angular momentum
+        power = n["m"] * n["R"] ** 2 * n["Omega"] ** 2 * mpmath.sin(n["theta"]) ** 2
         close(h, T - n["m"] * n["g"] * n["R"] * mpmath.cos(n["theta"]) - power)
 
 

@@ -79,9 +79,8 @@ def test_the_propagator_of_the_declared_variance_solves_the_diffusion_equation()
     D, t, x, y = map(mpmath.mpf, ("0.7", "1.3", "0.4", "-0.9"))
 
     def density(t, x, y):
-        return mpmath.exp(-(x**2 + y**2) / (4 * D * t)) / (
-            4 * mpmath.pi * D * t
-        )  # variance 2Dt in each coordinate
+        # variance 2Dt in each coordinate
+        return mpmath.exp(-(x**2 + y**2) / (4 * D * t)) / (4 * mpmath.pi * D * t)
 
     with mpmath.workdps(40):
         rate = mpmath.diff(density, (t, x, y), (1, 0, 0))
@@ -143,9 +142,8 @@ def test_the_numbers_of_the_track_are_those_of_exact_integers():
     assert exactly == pytest.approx(D, rel=1e-12)
     assert D_error**2 == pytest.approx(exactly**2 / (n - 1), rel=1e-12)
     assert k_B == pytest.approx(exactly * 1e-12 * 6 * pi * 9.5e-4 * 0.5e-6 / 295.15, rel=1e-12)
-    assert (
-        abs(k_B / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5
-    )  # within two standard errors of the defined constant
+    # within two standard errors of the defined constant
+    assert abs(k_B / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5
 
 
 def moments(chances):

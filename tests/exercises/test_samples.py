@@ -27,10 +27,11 @@ def samples():
     """The samples in order; those that show no code and no verdict for the first time are slow."""
     seen = set()
     for sample in SAMPLES:
+        # its own verdicts follow from the code, and a drawing takes long
         drawing = sample.ask in (
             ["5"],
             ["6"],
-        )  # its own verdicts follow from the code, and a drawing takes long
+        )
         shown = (
             {*sample.codes, *sample.verdicts.items()}
             if not drawing

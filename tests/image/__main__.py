@@ -163,9 +163,8 @@ def _serve(podman: Podman, name: str, *flags: str) -> tuple[str, float]:
     """A server in a container, healthy by the image's own HEALTHCHECK: its address and how long that took."""
     port, began = free_port(), time.monotonic()
     podman("run", "--detach", "--init", "--name", name, "--publish", f"127.0.0.1:{port}:8000", *flags, IMAGE)
-    check = json.loads(
-        podman("inspect", "--format", "{{json .Config.Healthcheck.Test}}", name)
-    )  # `healthcheck run` hides failures
+    # `healthcheck run` hides failures
+    check = json.loads(podman("inspect", "--format", "{{json .Config.Healthcheck.Test}}", name))
     calls.until(lambda: podman.works("exec", name, *check[1:]), 90, f"{name} is healthy")
     took, address = time.monotonic() - began, f"http://127.0.0.1:{port}"
     calls.until(lambda: calls.readyz(address), 10, f"{address} answers")

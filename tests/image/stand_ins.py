@@ -6,9 +6,8 @@ import platform
 
 from tests.image.engine import Podman
 
-SLIM = [
-    f"--dpkgopt=path-exclude=/usr/share/{folder}/*" for folder in ("doc", "man", "locale")
-]  # as Debian's slim images are
+# as Debian's slim images are
+SLIM = [f"--dpkgopt=path-exclude=/usr/share/{folder}/*" for folder in ("doc", "man", "locale")]
 # What the image `postgres` does with its variables, as far as docker-compose.yml counts on it.
 ENTRY = r"""#!/bin/sh
 set -e

@@ -7,9 +7,8 @@ WIDTHS = (1280, 390, 360)
 
 def wrong(page, widths=WIDTHS):
     """Yield what axe objects to at each width, and that the page is wider than its window, in words."""
-    page.locator("details:not([open])").evaluate_all(
-        "all => all.forEach(one => { one.open = true })"
-    )  # axe skips what is folded
+    # axe skips what is folded
+    page.locator("details:not([open])").evaluate_all("all => all.forEach(one => { one.open = true })")
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
     for width in widths:
         page.set_viewport_size({"width": width, "height": 800})

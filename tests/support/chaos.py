@@ -348,9 +348,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--port", type=int, default=8765)
     given = parser.parse_args()
-    signal.signal(
-        signal.SIGTERM, signal.default_int_handler
-    )  # so that what was started is stopped, however this ends
+    # so that what was started is stopped, however this ends
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     folder, began = Path(tempfile.mkdtemp(prefix="polhode-chaos-")), time.monotonic()
     chaos = Chaos(folder / "data", given.port, given.seed)
     try:

@@ -14,13 +14,15 @@ from pathlib import Path
 from service.sandbox.bubblewrap import find_bubblewrap
 
 OURS = ("polhode", "_polhode", "ecp", "__pycache__")
+# a virtual environment gets its own
 OF_PIP = (
     "pip",
     "setuptools",
     "pkg_resources",
     "_distutils_hack",
     "distutils-precedence",
-)  # a virtual environment gets its own
+)
+# such as Docker leaves; SYS_ADMIN is not among them
 ROOTS_RIGHTS = (
     "CHOWN",
     "DAC_OVERRIDE",
@@ -28,7 +30,7 @@ ROOTS_RIGHTS = (
     "KILL",
     "SETGID",
     "SETUID",
-)  # such as Docker leaves; SYS_ADMIN is not among them
+)
 
 
 class Container:

@@ -80,10 +80,11 @@ class Hub:
         port = free_port()
         self.url = f"http://127.0.0.1:{port}"
         self.api_url = f"{self.url}/hub/api"
+        # of the service called polhode; of ours
         self.service_token, self._token = (
             secrets.token_hex(16),
             secrets.token_hex(16),
-        )  # of the service called polhode; of ours
+        )
         self._folder = folder.absolute()
         own = {
             "PORT": port,
@@ -93,9 +94,8 @@ class Hub:
         }
         values = [f"{name} = {value!r}" for name, value in own.items()]
         (folder / "jupyterhub_config.py").write_text("\n".join([advised, *values, CONFIG]))
-        (folder / "rfc3987_syntax.py").write_text(
-            "raise ImportError\n"
-        )  # does without; it takes 1.5 s to import
+        # does without; it takes 1.5 s to import
+        (folder / "rfc3987_syntax.py").write_text("raise ImportError\n")
         self.start()
 
     def start(self) -> None:

@@ -205,9 +205,8 @@ def main(port):
 
         with app.test_request_context():
             app.preprocess_request()
-            return storage.jwk.as_pem(
-                True
-            )  # with the private part; the class of the key depends on the package's version
+            # with the private part; the class of the key depends on the package's version
+            return storage.jwk.as_pem(True)
 
     def serve(environ, start_response):
         return app.wsgi_app(environ, start_response)

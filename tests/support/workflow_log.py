@@ -17,13 +17,14 @@ COMMANDS = {
     "set-output",
     "save-state",
 }
+# in this order: the percent sign last
 ESCAPES = {
     "%0D": "\r",
     "%0A": "\n",
     "%3A": ":",
     "%2C": ",",
     "%25": "%",
-}  # in this order: the percent sign last
+}
 
 
 def commands(log):

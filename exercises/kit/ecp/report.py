@@ -60,7 +60,8 @@ class Report:
 
     ``total`` is the number of points of every exercise that was to be graded, including those
     ``not_attempted`` (their numbers). ``max_points`` is the part of these exercises without optional
-    functions, and ``bonus_points`` that of all optional functions, written or not; a local report has neither.
+    functions, and ``bonus_points`` that of all optional functions, written or not. A local report has
+    neither.
 
     ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures, which
     ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its

@@ -28,10 +28,11 @@ MEANINGS = {
 }
 KNOWN = {word for words in MEANINGS.values() for word in words}
 OWN = {"name", "role", "fullname", "email", "studentid"}
+# whose gradebook has rows without an ID that are not people, such as "Points Possible"
 CANVAS = {
     "student",
     "id",
-}  # whose gradebook has rows without an ID that are not people, such as "Points Possible"
+}
 ROLE_WORDS = {
     "student": ("student", "learner"),
     "assistant": (

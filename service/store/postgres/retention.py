@@ -45,9 +45,8 @@ def prune(
             values = {"gradings": gradings, "days": days, "arrays": arrays, "versions": Jsonb(dict(versions))}
             with connection.transaction():
                 if delete:
-                    connection.execute(
-                        "LOCK TABLE artefact IN SHARE ROW EXCLUSIVE MODE"
-                    )  # none may be stored again meanwhile
+                    # none may be stored again meanwhile
+                    connection.execute("LOCK TABLE artefact IN SHARE ROW EXCLUSIVE MODE")
                 rows = connection.execute(_PRUNABLE, values).fetchall()
                 if delete and rows:
                     _delete(connection, [row[:2] for row in rows])

@@ -158,12 +158,13 @@ def test_text_from_a_student_is_inert_in_a_page(server):
     )
     document = json.loads(post(server, {"source": source}, Prefer="wait=60")[2])
     page = call(server, f"/submissions/{document['id']}")[2].decode()
+    # our own module
     assert (
         "&lt;script&gt;" in page
         and page.count("<script") == 1
         and "<img src=x" not in page
         and "\u202e" not in page
-    )  # our own module
+    )
 
 
 BAD = [
@@ -339,9 +340,8 @@ def test_every_sample_gets_its_expected_report_over_http(server, rigid_body):
     with ThreadPoolExecutor(3) as pool:
         answers = list(pool.map(grade, known))
     for sample, answer in zip(known, answers, strict=True):
-        if sample.unexpected(
-            answer["report"]
-        ):  # on a crowded machine a film may run out of its time: once more, alone
+        # on a crowded machine a film may run out of its time: once more, alone
+        if sample.unexpected(answer["report"]):
             answer = grade(sample)
         outcomes = [o for e in answer["report"]["exercises"] for o in e["outcomes"]]
         assert not sample.unexpected(answer["report"]), sample.file.name

@@ -143,10 +143,11 @@ def test_every_form_is_checked():
 
     for router in app.PAGES:
         for route in router.routes:
+            # the submission's parser reads its form; the other is in compressed pages
             if route.path in (
                 UPLOAD,
                 "/logout",
-            ):  # the submission's parser reads its form; the other is in compressed pages
+            ):
                 assert same_origin in set(calls(route.dependant))
             elif "POST" in route.methods:
                 assert {forms.checked_form, forms.checked_public_form} & set(calls(route.dependant)), (

@@ -78,9 +78,8 @@ def test_a_report(rigid_body):
     assert [test.tags for test in results.tests] == tags
     line = "✗  euler_eqs agrees with Euler's equations   [got 2 vs expected 1]"
     assert results.tests[1].output.startswith(f"{line}\n     worst at ω̇₂ at question 3\n")
-    assert (
-        {t.output_format for t in results.tests} == {results.output_format} == {"text"}
-    )  # nothing of a student's is rendered
+    # nothing of a student's is rendered
+    assert {t.output_format for t in results.tests} == {results.output_format} == {"text"}
 
 
 @pytest.mark.parametrize("hidden", VISIBILITIES)

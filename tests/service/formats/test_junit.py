@@ -71,9 +71,8 @@ def test_the_golden_file():
 def test_whatever_is_in_a_report_the_document_is_valid_and_no_two_cases_are_one(file):
     root = valid(junit.text([file, REFUSED], RIGID))
     names = [(suite.get("name"), case.get("name")) for suite in root for case in suite.iter("testcase")]
-    assert len(set(names)) == len(names) and all(
-        case for _, case in names
-    )  # GitLab reads the first of equal ones only
+    # GitLab reads the first of equal ones only
+    assert len(set(names)) == len(names) and all(case for _, case in names)
     assert not root.findall(".//system-out")  # where it looks for paths of attachments
     kinds = {told.get("type") for case in root.iter("testcase") for told in case}
     assert not kinds & RAILS_TYPES

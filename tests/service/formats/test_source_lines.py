@@ -47,9 +47,8 @@ def test_the_innermost_line_of_the_traceback_counts_more(rigid_body):
         f" in other\n{RAISED}\n"
     )
     assert line(rigid_body, source, trace=trace) == 5
-    assert (
-        line(rigid_body, source, trace=trace, one=outcome("2-energy", "fail")) == 1
-    )  # it raised in another check's scene
+    # it raised in another check's scene
+    assert line(rigid_body, source, trace=trace, one=outcome("2-energy", "fail")) == 1
 
 
 @pytest.mark.parametrize(

@@ -101,9 +101,8 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     assert 'data-live="/queue/events"' in page and "<noscript>" in page and before[0][0] in page
     began = time.monotonic()
     assert people["tutor"].send(f"/queue/{grading_of(url, loop)}/cancel", "/queue") == (303, "/queue")
-    assert (
-        f"/submissions/{good}" in people["tutor"].open("/queue")[1]
-    )  # at once: no answer older than what was done
+    # at once: no answer older than what was done
+    assert f"/submissions/{good}" in people["tutor"].open("/queue")[1]
     wait_for(
         lambda: sql(
             url, "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s", good

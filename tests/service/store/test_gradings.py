@@ -73,9 +73,8 @@ def test_what_runs_is_told_at_its_next_beat_and_does_not_come_back(database_url)
     run(database_url, lambda d: runs.supersede(d, claimed))
     run(database_url, lambda d: runs.release(d, claimed, "released", "the worker was stopped"))
     assert sql(database_url, "SELECT end_reason FROM run") == [("cancelled",)]
-    sql(
-        database_url, "DELETE FROM procrastinate_jobs WHERE status = 'doing'"
-    )  # as the worker does at the end of a job
+    # as the worker does at the end of a job
+    sql(database_url, "DELETE FROM procrastinate_jobs WHERE status = 'doing'")
     assert forgotten(database_url) == [] and jobs(database_url) == 0
 
 

@@ -94,9 +94,8 @@ def test_what_is_held_counts_nowhere(database_url):
         id: None,
         one.id: None,
     }
-    assert (
-        run(database_url, lambda d: regrade(d, "faults", "x")) == 1
-    )  # the last one that counts is the fault
+    # the last one that counts is the fault
+    assert run(database_url, lambda d: regrade(d, "faults", "x")) == 1
 
 
 def test_a_held_grading_that_is_under_way_does_not_stop_an_immediate_regrade(database_url):

@@ -323,9 +323,8 @@ def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_ur
             writing = asyncio.create_task(runs.finish(database, claimed, report(), {}))
             await asyncio.sleep(0.3)
             assert not writing.done()
-            await add_grading(
-                accepting, grading[1], "interactive", 1
-            )  # ranked behind the one that is being finished
+            # ranked behind the one that is being finished
+            await add_grading(accepting, grading[1], "interactive", 1)
         return await writing
 
     assert run(database_url, at_once)

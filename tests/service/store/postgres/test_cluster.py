@@ -65,9 +65,8 @@ def test_a_running_server_notices_each_loss_and_the_return(database, tmp_path):
     (folder / "PG_VERSION").rename(tmp_path / "away")
     assert database.find_loss() == "postgres/PG_VERSION is missing"
     (tmp_path / "away").rename(folder / "PG_VERSION")
-    assert (
-        database.find_loss() is None and not database.unchanged()
-    )  # it could be a copy, whose other files follow
+    # it could be a copy, whose other files follow
+    assert database.find_loss() is None and not database.unchanged()
     folder.chmod(0o000)
     assert "cannot be read" in database.find_loss()
     folder.chmod(0o700)

@@ -21,7 +21,9 @@ from service.cli.demo import free_port
 ADVISED = """\
 c.JupyterHub.load_roles = [{"name": "user", "scopes": ["self", "access:services!service=polhode"]}]
 c.Spawner.server_token_scopes = [
-    "users:activity!user", "access:servers!server", "access:services!service=polhode"
+    "users:activity!user",
+    "access:servers!server",
+    "access:services!service=polhode",
 ]
 """
 

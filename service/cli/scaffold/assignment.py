@@ -8,15 +8,11 @@ from exercises.author import Notebook, Tolerance, mistake, normal, uniform
 from exercises.kinds.values import values
 
 notebook = Notebook("The pendulum", setup="import numpy as np\n")
-ROUNDING = Tolerance(
-    limit=1e-12, reason="two forms of the formula differ by a few rounding errors, 1e-15 each"
-)
+ROUNDING = Tolerance(limit=1e-12, reason="two forms of the formula differ by a few roundings of 1e-15")
 
 
 def period(l, g, amplitude):
-    """Return the period in s of a pendulum of length l in m that swings up to the angle amplitude in rad; g
-    in m/s².
-    """
+    """Return the period in s: length l in m, g in m/s², amplitude, the largest angle, in rad."""
     a, b = 1.0, np.cos(amplitude / 2)
     for _ in range(6):
         a, b = (a + b) / 2, np.sqrt(a * b)
@@ -40,9 +36,7 @@ notebook.exercise(
 
 
 def displacement(t, start, gamma, omega0):
-    """Return x(t) in m of x'' + 2 gamma x' + omega0² x = 0 with gamma < omega0, in 1/s; start is (x, x') at t
-    = 0.
-    """
+    """Return x(t) in m of x'' + 2 gamma x' + omega0² x = 0 with gamma < omega0, in 1/s, from (x, x')(0)."""
     x, v = start
     omega = np.sqrt(omega0**2 - gamma**2)
     return np.exp(-gamma * t) * (x * np.cos(omega * t) + (v + gamma * x) / omega * np.sin(omega * t))
@@ -60,16 +54,9 @@ notebook.exercise(
         displacement,
         ask={"t": uniform(0.5, 5), "start": normal(2), "gamma": uniform(0.1, 0.5), "omega0": uniform(1, 3)},
         truth=by_matrix,
-        agree=Tolerance(
-            atol=1e-12, reason="the matrix exponential is exact to 1e-14, |x| is at most about 5"
-        ),
+        agree=Tolerance(atol=1e-12, reason="the matrix exponential is exact to 1e-14, |x| is below 6"),
         mistakes=[
-            mistake(
-                "omega0**2 - gamma**2",
-                "omega0**2",
-                "missing-term",
-                "the damping does not change the frequency",
-            ),
+            mistake("omega0**2 - gamma**2", "omega0**2", "missing-term", "damping lowers the frequency"),
             mistake("exp(-gamma", "exp(gamma", "sign-flipped", "the amplitude grows"),
             mistake("(v + gamma * x)", "v", "missing-term", "x' at t = 0 is not the given one"),
         ],

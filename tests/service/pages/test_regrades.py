@@ -187,7 +187,7 @@ def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, u
         and '<span class="badge">3 of 4 points</span>' in page
     )
     assert (
-        "4 of 5 points (public checks: 1 of 2)" in page
+        "4 of 36 + 6 bonus points (public checks: 1 of 2)" in page
         and "<td>4 of 36 + 6 bonus points, version 1</td>" in page
     )
     assert '<optgroup label="1 Title 1"><option value="c1" data-max="4">c1 (c1, 4 points)</option>' in page

@@ -7,7 +7,10 @@ import scipy.special
 from exercises.author import Notebook, Tolerance, mistake, normal, uniform
 from exercises.kinds.values import values
 
-notebook = Notebook("The pendulum", setup="import numpy as np\n")
+notebook = Notebook(
+    "The pendulum",
+    setup="import numpy as np\n",
+)
 ROUNDING = Tolerance(limit=1e-12, reason="two forms of the formula differ by a few roundings of 1e-15")
 
 

@@ -13,7 +13,7 @@ NEWER = $(or $(PYTHONS),$(foreach minor,12 13 14,$(firstword $(shell python3.$(m
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all verdicts exhaustive sabotage test-pythons lint docs bench chaos image-test release-check lock clean
+.PHONY: help env demo serve test test-all verdicts exhaustive sabotage test-pythons lint docs pictures bench chaos image-test release-check lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -40,7 +40,7 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 	@touch $@
 
 .venv/release: .venv/runtime requirements/release.lock
-	@echo "polhode: installing the tools that check a release"
+	@echo "polhode: installing the tools of a release"
 	@$(INSTALL) --require-hashes -r requirements/release.lock
 	@touch $@
 
@@ -90,6 +90,9 @@ docs: .venv/docs  ## build the documentation site in .site/html (SERVE=8001: the
 	@$(CLEAN_ENV) $(BIN)/python -m docs.site
 	@$(if $(SERVE),$(BIN)/python -m http.server --bind 127.0.0.1 --directory .site/html $(SERVE),echo "polhode: the site is .site/html/index.html; make docs SERVE=8001 serves it")
 
+pictures: .venv/browser .venv/release  ## draw the pictures of the docs from a demonstration of their own (ONLY="report queue")
+	@$(CLEAN_ENV) $(BIN)/python -m tests.support.pictures $(ONLY)
+
 bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, attacks by connections, pages, and other autograders
 	@$(CLEAN_ENV) $(BIN)/python -m bench.exact_speed
 	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
@@ -112,7 +115,7 @@ image-test: .venv/tests  ## build the container image with podman and run it as 
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }
 	@$(CLEAN_ENV) $(BIN)/python -m tests.image
 
-release-check: .venv/release  ## build wheel and sdist in dist, check both, and use the wheel outside the clone with each Python (PYTHONS=...)
+release-check: .venv/release  ## check the docs' pictures, build wheel and sdist in dist, check both, and use the wheel outside the clone with each Python (PYTHONS=...)
 	@$(CLEAN_ENV) $(BIN)/python -m tests.support.release $(or $(PYTHONS),$(BIN)/python $(NEWER))
 
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)

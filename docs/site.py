@@ -37,7 +37,9 @@ def main() -> int:
 def stage(folder: Path) -> None:
     """Write every page of the site as Markdown into ``folder``, in place of what is there."""
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(ROOT / "docs", folder, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    shutil.copytree(
+        ROOT / "docs", folder, ignore=shutil.ignore_patterns("*.py", "pictures.json", "__pycache__")
+    )
     for name, page in BESIDE.items():
         text = (ROOT / name).read_text(encoding="utf-8")
         (folder / page).write_text(re.sub(r"\]\(docs/", "](", text), encoding="utf-8")

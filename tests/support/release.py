@@ -1,5 +1,5 @@
-"""Check a release: ``python -m tests.support.release`` builds wheel and sdist in dist/, and installs and uses
-the wheel.
+"""Check a release: ``python -m tests.support.release`` examines the docs' pictures, builds wheel and sdist in
+dist/, and installs and uses the wheel.
 
 The wheel is installed with the hashed lock file into an empty environment of each given Python, outside the
 clone: there it grades a file, and serves and grades the same over HTTP.
@@ -22,6 +22,7 @@ from pathlib import Path
 
 from service.cli.demo import free_port
 from tests.support.checkout import ROOT
+from tests.support.pictures import shown
 
 DIST = ROOT / "dist"
 BIN = Path(sys.executable).parent
@@ -42,6 +43,7 @@ def main() -> int:
     pythons = parser.parse_args().pythons
     try:
         version = tagged_version()
+        examine_pictures()
         wheel, sdist = build(version)
         examine(wheel, sdist)
         for python in pythons:
@@ -68,6 +70,13 @@ def tagged_version() -> str:
             raise Refused(f"CHANGELOG.md has no heading ## {version}")
     print(f"✓  version {version}" + ("" if releases else ", not tagged"))
     return str(version)
+
+
+def examine_pictures(root: Path = ROOT) -> None:
+    """Refuse pictures of the docs that show former templates."""
+    if former := shown.outdated(root):
+        raise Refused("\n   ".join(f"{name} shows former templates: run make pictures" for name in former))
+    print("✓  the pictures of the docs show the present templates")
 
 
 def build(version: str) -> tuple[Path, Path]:

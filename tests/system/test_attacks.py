@@ -235,9 +235,7 @@ def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, t
         )
         report = graded.report
         assert unharmed() and _plays(sandbox) and _plays(sandbox)
-    if not (
-        file.stem == "read_metadata" and level == "process" and not _other_user(sandbox)
-    ):  # hidden from other users only
+    if _is_in_vain(file, sandbox, level):
         assert "ESCAPED" not in report.stdout, report.stdout
     assert CANARY not in json.dumps(document(report)) and CANARY not in report.text()
     if verdict == "pass":
@@ -259,6 +257,7 @@ def test_all_attacks_of_a_family_in_one_submission_are_in_vain(
     """
     sandbox, (prelude, listeners) = sandboxes[0](level), traps
     files = [file for file in ATTACKS if family(file) == of and declared(file)[0] == "pass"]
+    files = [file for file in files if _is_in_vain(file, sandbox, level)]
     tried = [file.read_text() + f'\nprint("tried {file.stem}")\n' for file in files]
     before = _traces()
     report = grade(Submission("\n".join([prelude, *tried, RIGHT])), rigid_body, sandbox, 3, ["2"]).report
@@ -358,6 +357,11 @@ def _beside(sandbox):
         yield unharmed
     finally:
         unharmed()
+
+
+def _is_in_vain(file, sandbox, level):
+    """Whether an attack at this level fails: what files there are is hidden from other users only."""
+    return file.stem != "read_metadata" or level != "process" or _other_user(sandbox)
 
 
 def _other_user(sandbox):

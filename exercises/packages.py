@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterable
 from importlib import metadata
 
-SANDBOX = ("numpy", "scipy", "matplotlib")
+SANDBOX = ("numpy", "scipy", "matplotlib", "ipython")
 """Distributions in every sandbox."""
 
 

@@ -285,6 +285,8 @@ def adopt(student, source):
     if not cones:
         return {}
     R = next((x for x in cones if _uses(used, x)), UNKNOWN)
+    if R is UNKNOWN and "animate_precession" in student:
+        return {}  # the function is to be written yet, and the cell shows something else
     times = [x for x in named if x.shape == (len(R),) and np.all(np.diff(x) > 0)]
     moments = [x for x in named if x.shape == (3,) and np.all(x > 0)][:8]
     own = {

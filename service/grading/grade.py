@@ -123,7 +123,7 @@ def _grade(
     played, crossed = play_and_check(job, on_progress)
     chains = play_chains(assignment, played, crossed, play_and_check, functools.partial(_passes, assignment))
     result = played.result
-    covered = asked if numbers is not None else _covered(asked, result.defined)
+    covered = asked if numbers is not None else _covered(asked, result.written)
     reproduced = functools.cache(lambda question: diagnose_question(assignment, question, played, sandbox))
     causes = functools.cache(lambda scene: _diagnose(assignment, scene, played, reproduced))
     sections = [_judge(e, assignment, played, crossed, causes, remarks=chains.remarks) for e in covered]
@@ -147,7 +147,7 @@ def _grade(
             motions=crossed.how,
             chains=chains.used,
         ),
-        total=assignment.max_points(numbers, result.defined),
+        total=assignment.max_points(numbers, result.written),
         max_points=assignment.max_points(numbers),
         bonus_points=assignment.bonus_points(numbers),
         not_attempted=[e.number for e in asked if e not in covered],
@@ -294,7 +294,7 @@ def _judge(
     remarks: Mapping[str, list[str]],
 ) -> ExerciseReport:
     outcomes, result = [], played.result
-    for check in exercise.applicable_checks(result.defined, assignment.names):
+    for check in exercise.applicable_checks(result.written, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
@@ -347,8 +347,6 @@ def _cause(scene: Scene, result: PlayResult) -> str:
         and not result.finished(scene.after)
     ):
         scene_end = result.scene_ends[scene.after]
-    if scene_end.ended is Ended.MISSING and (failed := _failed_cell(result)):
-        return f"{scene_end.sentence}; {failed.scene} stopped with {failed.sentence}"
     return scene_end.sentence
 
 
@@ -363,13 +361,6 @@ def _cause_of_cell(cell: str, result: PlayResult) -> str:
         if failed.scene == cell
         else f"{stopped}; before it, {failed.scene} stopped with {failed.sentence}"
     )
-
-
-def _failed_cell(result: PlayResult) -> SceneEnd | None:
-    """Return the failed cell if there is only one. With several, it is unknown which of them should define a
-    function.
-    """
-    return next(iter(result.cells.values())) if len(result.cells) == 1 else None
 
 
 def _diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced: Causes) -> list[Diagnosis]:
@@ -402,12 +393,6 @@ def _diagnose_failure(scenes: list[Scene], result: PlayResult, causes: Causes) -
     for scene in scenes:
         for name in (scene.after, scene.name):
             scene_end = result.scene_ends.get(name or "")
-            if (
-                scene_end is not None
-                and scene_end.ended is Ended.MISSING
-                and (failed := _failed_cell(result))
-            ):
-                scene_end = failed
             if scene_end is not None and scene_end.code is not None:
                 return [Diagnosis(code=scene_end.code, sentence=scene_end.sentence, confidence=1.0)]
     return []

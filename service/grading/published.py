@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from exercises.assignment import PublishedCell
-from service.sandbox.guest.magics import MARK, MOST_PIECES
+from service.sandbox.guest.pieces import MARK, MOST_PIECES
 from service.sandbox.job import Cell
 
 ALIKE = 0.6  # least similarity of an edited copy to the published cell

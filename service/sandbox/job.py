@@ -1,10 +1,12 @@
 """A job for a guest: code to load and scenes to play. It holds no answers."""
 
+import ast
 import base64
 import functools
 import hashlib
 import json
 import marshal
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,11 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from ecp.outcome import SceneEnd
 from exercises.assignment import ArraySpec, Ask
+from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import BYTES, FILES, KEPT, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
 SHORT = 20  # numbers that are sent as digits
+# What a Python file has from a notebook.
+INTERACTIVE = re.compile(r"\bIPython\b|\bget_ipython\b|\bdisplay\(")
+MOST_LEFT_OUT = 3  # statements, each of which has ended a process
+RUN_AGAIN = "; this statement was left out, and the others were run again"
 
 
 @dataclass(frozen=True)
@@ -95,7 +103,8 @@ class Job:
     ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a
     published one. With ``needed_cells`` only the cells run on which the functions of the scenes depend, as
-    far as their names show.
+    far as their names show. Statements ``left_out``, by their places, do not run: each ended an earlier
+    process, as their ends say.
     """
 
     setup: str
@@ -108,10 +117,26 @@ class Job:
     data: Mapping[str, Path] = field(default_factory=dict)
     reference: ReferenceFunctions | None = None
     needed_cells: bool = False
+    left_out: Mapping[Place, SceneEnd] = field(default_factory=dict)
+
+    @property
+    def notebook(self) -> bool:
+        """Whether IPython runs the cells: those of a notebook, or a file that is not plain Python."""
+        return _is_interactive(self.cells)
 
     def without(self, done: set[str]) -> "Job":
         """Return this job without the scenes in ``done``."""
         return replace(self, scenes=tuple(s for s in self.scenes if s.name not in done))
+
+    def without_statements(self, ended: Mapping[Place, SceneEnd]) -> "Job":
+        """Return this job without the statements that ended a process."""
+        return replace(self, left_out={**self.left_out, **ended})
+
+    def frame(self, place: Place) -> str:
+        """Return the line of a traceback that names a statement, with its source."""
+        lines = next((cell.source.split("\n") for cell in self.cells if cell.name == place.cell), [])
+        source = lines[place.line - 1].strip() if 0 < place.line <= len(lines) else ""
+        return f'  File "{place.cell}", line {place.line}, in <module>\n    {source}\n'
 
     @property
     def kept(self) -> list[Kept]:
@@ -156,6 +181,9 @@ class Job:
             "setup": setup,
             "plays": plays,
             "needed_cells": self.needed_cells,
+            "notebook": self.notebook,
+            "may_run_again": len(self.left_out) < MOST_LEFT_OUT,
+            "left_out": [[place, _cause(end)] for place, end in self.left_out.items()],
             "cells": [[c.name, c.source, c.published] for c in self.cells],
             "functions": self.functions,
             "variables": self.variables,
@@ -169,6 +197,21 @@ class Job:
         """Return the job of the process with the reference functions."""
         assert self.reference is not None
         return _encoded({"setup": self.setup, "source": self.reference.source, "names": self.reference.names})
+
+
+def _cause(end: SceneEnd) -> tuple[str, str | None]:
+    """Return why the names that a statement was to bind are missing, and the diagnosis code."""
+    return f"{end.scene} stopped: {end.sentence.removesuffix(RUN_AGAIN)}", end.code
+
+
+@functools.lru_cache(maxsize=64)
+def _is_interactive(cells: tuple[Cell, ...]) -> bool:
+    if len(cells) != 1 or not cells[0].name.endswith(".py"):
+        return True
+    try:
+        return bool(INTERACTIVE.search(cells[0].source)) or not ast.parse(cells[0].source)
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        return True
 
 
 @functools.lru_cache(maxsize=64)

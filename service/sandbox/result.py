@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ecp.claims import Claim, NotebookCheck
 from ecp.outcome import Ended, SceneEnd
+from service.sandbox.guest.place import Place
 
 KEPT_OUTPUT = 64 << 10  # bytes of printed output
 
@@ -49,7 +50,9 @@ GUEST_CODES = frozenset(
 class PlayResult:
     """The result of one play.
 
-    ``defined`` are the requested functions that the submission defines, ``arrays`` the results by scene and
+    ``loaded`` is True once a child has run all cells. ``defined`` are the requested functions that the
+    submission defines, ``missing`` those that it does not because a statement failed. ``left_out`` are the
+    statements that ended a child, with how they did. ``arrays`` the results by scene and
     name, ``scene_ends`` those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes
     that the host drove. ``author_errors`` are exceptions, by scene, that the guest attributes to the
     assignment's code; a submission can forge them. ``claims`` are the notebook's own checks;
@@ -57,7 +60,10 @@ class PlayResult:
     and place. ``cpu_s`` is the CPU time that was used.
     """
 
+    loaded: bool = False
     defined: set[str] = field(default_factory=set)
+    missing: set[str] = field(default_factory=set)
+    left_out: dict[Place, SceneEnd] = field(default_factory=dict)
     arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
     scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     cells: dict[str, SceneEnd] = field(default_factory=dict)
@@ -71,13 +77,21 @@ class PlayResult:
 
     def add(self, other: "PlayResult") -> None:
         """Add the result of another child that ran the same submission."""
-        for name in ("defined", "arrays", "scene_ends", "cells", "driven", "author_errors"):
+        for name in ("defined", "missing", "left_out", "arrays", "scene_ends", "driven", "author_errors"):
             getattr(self, name).update(getattr(other, name))
-        if not self.claims:  # each child runs the cells again
+        self.cells = {**other.cells, **self.cells}  # the first failure of a cell is the cause of others
+        if not self.loaded:  # each child runs the cells again; one that did not end them counts for nothing
             self.claims, self.claims_left_out = other.claims, other.claims_left_out
-        self.reported = self.reported or other.reported
-        self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
+            self.reported, self.stdout = other.reported, other.stdout
+        else:
+            self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
+        self.loaded |= other.loaded
         self.cpu_s += other.cpu_s
+
+    @property
+    def written(self) -> set[str]:
+        """The functions that the submission attempts: those it defines, or would without a failure."""
+        return self.defined | self.missing
 
     def finished(self, scene: str) -> bool:
         """Return whether ``scene`` was played to its end."""

@@ -147,9 +147,8 @@ class Sandbox:
 
     def _play(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
         result = PlayResult()
-        if not job.scenes:  # the cells alone
-            self._play_once(job, budget, result, on_scene)
-        while (left := job.without(set(result.scene_ends))).scenes:
+        while (left := job.without(set(result.scene_ends))).scenes or not (result.loaded or job.scenes):
+            left = left.without_statements(result.left_out)
             if sentence := budget.exceeded():
                 if budget.delayed:
                     raise _too_busy(budget)
@@ -161,9 +160,9 @@ class Sandbox:
                         code=CODES[Ended.TIMED_OUT],
                     )
                 break
-            before = len(result.scene_ends)
+            before = len(result.scene_ends), len(result.left_out)
             self._play_once(left, budget, result, on_scene)
-            if len(result.scene_ends) == before:
+            if before == (len(result.scene_ends), len(result.left_out)):
                 break
             self._skip_followers(job, result)
         result.scene_ends = {

@@ -18,9 +18,10 @@ from numpy.typing import ArrayLike
 
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
+from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import CLOCK_FACTOR, LENGTH, MALFORMED, pack
 from service.sandbox.guest.zygote import REAPED
-from service.sandbox.job import Job
+from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
 from service.sandbox.time_budget import ProcessorWait, TimeBudget
 from service.sandbox.untrusted_text import text
@@ -208,6 +209,11 @@ class PlaySession:
         scene_end = self.stopped or self._by_status()
         if scene_end is None:
             return
+        statement = self.reader.statement
+        is_loading = statement is not None and not self.reader.loaded and scene_end is not Ended.PROTOCOL
+        if statement and is_loading and len(self.job.left_out) < MOST_LEFT_OUT:
+            self._leave_out(statement, scene_end, result)
+            return
         if scene_end is Ended.PROTOCOL:  # discard everything that this child sent
             lost = [s.name for s in self.job.scenes]
             result.claims.clear()
@@ -225,6 +231,22 @@ class PlaySession:
                 sentence=sentence or SENTENCES[scene_end],
                 code=CODES.get(scene_end),
             )
+
+    def _leave_out(self, statement: Place, ended: Ended, result: PlayResult) -> None:
+        """Record that a statement ended the child, so that the next one runs without it."""
+        if self.reader.out_of_time:
+            ended, sentence = Ended.TIMED_OUT, self.reader.out_of_time
+        else:
+            sentence = SENTENCES[ended]
+        cell_end = SceneEnd(
+            scene=statement.cell,
+            ended=ended,
+            sentence=sentence + RUN_AGAIN,
+            code=CODES.get(ended),
+            traceback=self.job.frame(statement),
+        )
+        result.left_out[statement] = cell_end
+        result.cells[statement.cell] = cell_end
 
     def _read_from(self, end: Any) -> bool:
         """Read from one end. Return False at its end of file."""

@@ -22,6 +22,7 @@ from ecp.outcome import Ended, SceneEnd
 from exercises.assignment import ArraySpec
 from service.sandbox import claims
 from service.sandbox.guest.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
+from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
 from service.sandbox.result import GUEST_CODES, OnScene, PlayResult, ignore
@@ -31,7 +32,7 @@ MOST_JSON = 64 * 1024
 MOST_CELL_ENDS = 20
 DTYPES: Mapping[str, np.dtype[Any]] = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
 HEAD = struct.Struct("<cI")
-Place = tuple[str, np.dtype[Any], tuple[int, ...], int, int]
+ArrayPlace = tuple[str, np.dtype[Any], tuple[int, ...], int, int]
 """An array in an answer: name, dtype, shape, number of elements, offset in bytes."""
 
 
@@ -45,7 +46,9 @@ class Reader:
 
     ``started`` is the scene in progress. ``prepared`` is True once the child has applied its layers and
     loaded the assignment's code; only then does it run the submission. ``not_prepared`` says why that code
-    failed. ``done`` is True after its last frame.
+    failed. ``loaded`` is True once the cells have run; until then ``statement`` is the one that runs, or if
+    ``out_of_time`` says that the time is spent, the one that took most of it. ``done`` is True after the last
+    frame.
     """
 
     def __init__(self, job: Job, result: PlayResult, on_scene: OnScene = ignore) -> None:
@@ -53,6 +56,8 @@ class Reader:
         self.result, self.prepared, self.done = result, False, False
         self.started: str | None = None
         self.not_prepared = ""
+        self.statement: Place | None = None
+        self.out_of_time = ""
         self._scenes = {s.name: s for s in job.scenes}
         self._functions, self._cells = set(job.functions), {c.name for c in job.cells}
         sizes = [
@@ -60,7 +65,7 @@ class Reader:
         ]
         self._longest = MOST_JSON + max(sizes, default=0)
         self._buffer = bytearray()
-        self._names_known = False
+        self.loaded = False
         self.open_questions, self.answers = (
             0,
             deque[dict[str, NDArray[Any]]](),
@@ -100,9 +105,14 @@ class Reader:
                 self.prepared = True
             case "not-prepared" if not self.prepared:
                 self.not_prepared = text(event.get("author"))
-            case "defined" if isinstance(event.get("names"), list) and not self._names_known:
-                self._names_known = True
-                self.result.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
+            case "statement" if not self.loaded:
+                self.statement = self._place(event)
+            case "stopped" if not self.loaded:
+                self.statement, self.out_of_time = self._place(event), text(event.get("sentence"), 600)
+            case "defined" if not self.loaded:
+                self.loaded = self.result.loaded = True
+                self.result.defined = self._listed(event, "names")
+                self.result.missing = self._listed(event, "missing")
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
                 self.started = self._next(event)
@@ -111,7 +121,7 @@ class Reader:
             case "scene":
                 self._end(event)
             case "cell":
-                name = self._known(event, self._cells)
+                name = self._known(event, "cell", self._cells)
                 if len(self.result.cells) < MOST_CELL_ENDS:
                     self.result.cells.setdefault(name, _scene_end(name, event))
             case "done":
@@ -135,18 +145,29 @@ class Reader:
 
     def _next(self, event: Mapping[str, Any]) -> str:
         """Return the scene that a "start" event names. Raises ProtocolError if it may not start now."""
-        name = self._known(event, self._scenes)
+        name = self._known(event, "scene", self._scenes)
         after = self._scenes[name].after
         early = after in self._scenes and not self.result.finished(str(after))
         if self.started is not None or name in self.result.scene_ends or early:
             raise ProtocolError("a scene out of turn")
         return name
 
-    def _known(self, event: Mapping[str, Any], names: Any) -> str:
-        name = event.get("scene")
+    def _known(self, event: Mapping[str, Any], kind: str, names: Any) -> str:
+        name = event.get(kind)
         if not isinstance(name, str) or name not in names:
-            raise ProtocolError("unknown scene")
+            raise ProtocolError(f"unknown {kind}")
         return name
+
+    def _place(self, event: Mapping[str, Any]) -> Place:
+        """Return the place of a statement that an event names."""
+        line, column = _count(event.get("line")), _count(event.get("column"))
+        return Place(self._known(event, "cell", self._cells), line, column)
+
+    def _listed(self, event: Mapping[str, Any], kind: str) -> set[str]:
+        """Return the requested functions that an event lists."""
+        if not isinstance(names := event.get(kind), list):
+            raise ProtocolError("not a list of names")
+        return {name for name in names if isinstance(name, str)} & self._functions
 
     def _arrays(self, payload: bytes) -> None:
         if self.started is None or self.open_questions < 1 or len(payload) < HEADER.size:
@@ -166,7 +187,7 @@ class Reader:
             self.result.arrays[scene.name] = arrays
 
     def _claim(self, payload: bytes) -> None:
-        if self._names_known:
+        if self.loaded:
             raise ProtocolError("a claim after the cells")
         (length,) = HEADER.unpack_from(payload) if len(payload) >= HEADER.size else (0,)
         header, numbers = _json(payload[HEADER.size : HEADER.size + length]), payload[HEADER.size + length :]
@@ -189,9 +210,9 @@ class Reader:
 
 
 @functools.lru_cache(maxsize=64)  # most answers of a scene have the same header
-def _layout(header: bytes, returns: tuple[tuple[str, ArraySpec], ...]) -> tuple[list[Place], int]:
+def _layout(header: bytes, returns: tuple[tuple[str, ArraySpec], ...]) -> tuple[list[ArrayPlace], int]:
     """Return the places of an answer's arrays and the length of the answer."""
-    shapes, specs, places, at = _json(header[HEADER.size :]), dict(returns), list[Place](), len(header)
+    shapes, specs, places, at = _json(header[HEADER.size :]), dict(returns), list[ArrayPlace](), len(header)
     alone = {name for name, spec in specs.items() if spec.alone}
     if set(shapes) != set(specs) - alone and not (len(shapes) == 1 and set(shapes) <= alone):
         raise ProtocolError("an answer with other arrays than asked for")

@@ -20,6 +20,7 @@ from pathlib import Path
 from service.sandbox.guest.zygote import (
     FORK,
     IMPORT,
+    IPYTHON,
     KEEP,
     KINDS_MODULE,
     LOAD,
@@ -148,6 +149,9 @@ class Zygote:
         LibraryNeeded, or ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
+        if job.notebook and IPYTHON not in self.imported:
+            self.end_unused_child()
+            self.import_library(IPYTHON)
         if self._started_child is not None and not self._can_play(self._started_child, job, budget):
             self.end_unused_child()
         started, self._started_child = self._started_child, None
@@ -168,7 +172,8 @@ class Zygote:
         Do nothing if one has started, or if the job has data files or reference functions.
         """
         self.wait_ready()
-        if not (self._started_child or job.data or job.reference):
+        lacks = job.notebook and IPYTHON not in self.imported
+        if not (self._started_child or job.data or job.reference or lacks):
             self._started_child = self._start(job, budget)
 
     def _can_play(self, child: _Child, job: Job, budget: TimeBudget) -> bool:

@@ -111,8 +111,9 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Return whether there is a counted check and all of them pass."""
-        return 0 < self.score == self.max_score
+        """Return whether there is a check and all of them pass: one that is not measured has not passed."""
+        outcomes = self.outcomes()
+        return bool(outcomes) and all(outcome.verdict is Verdict.PASS for outcome in outcomes)
 
     def outcomes(self) -> list[Outcome]:
         """Return the outcomes of all exercises in order."""
@@ -178,10 +179,6 @@ class Report:
 
 
 def _note(scene_end: SceneEnd) -> str | None:
-    if (
-        scene_end.ended is Ended.TIMED_OUT and " " in scene_end.scene
-    ):  # a cell: no check says why its functions are missing
-        return f"{scene_end.scene}: {scene_end.sentence}; of the cells after it, only definitions were run"
     if scene_end.traceback is None or scene_end.ended in (Ended.FINISHED, Ended.NOT_PLAYED):
         return None
     shown = "\n".join(f"     {line}" for line in scene_end.traceback.rstrip().split("\n"))

@@ -1,89 +1,79 @@
-"""Notebook cells as plain Python: magics and shell commands are removed. Which cells define a function."""
+"""Magics in place of IPython's own: some say that there is no shell, those that time run their text once."""
 
-import ast
-import itertools
 import re
-import types
-import warnings
-from collections.abc import Collection, Iterable
-from typing import Any
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from ecp.notebook.cells import DEFINITION, without_magics
-from ecp.notebook.names import names_in
+if TYPE_CHECKING:
+    from .shell import Shell
 
-MARK = re.compile(r"^# %%", re.MULTILINE)
-MOST_PIECES = 500
-DEFINITIONS = (*DEFINITION, ast.Import, ast.ImportFrom)
-
-
-def runnable(source: str, name: str) -> types.CodeType:
-    """Compile a cell under the file name ``name``. Magics are removed only from a cell that is not valid
-    Python.
-    """
-    return _compiled(source, name, 0)
-
-
-def statements(source: str, name: str, kinds: tuple[type, ...] = (ast.stmt,)) -> list[types.CodeType]:
-    """Compile each top-level statement of a cell that is of one of the ``kinds``."""
-    every: list[ast.stmt] = _compiled(source, name, ast.PyCF_ONLY_AST).body
-    nodes = [node for node in every if isinstance(node, kinds)]
-    future = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.module == "__future__"]
-    return [compile(ast.Module([*future, node], []), name, "exec") for node in nodes]
+NO_PROCESS = (
+    "script",
+    "bash",
+    "sh",
+    "python",
+    "python2",
+    "python3",
+    "pypy",
+    "ruby",
+    "perl",
+    "system",
+    "sx",
+    "!",
+)
+INSTALLERS = ("pip", "conda", "mamba", "micromamba", "uv")
+TIMEIT_OPTION = re.compile(r"\s*-(?:[nr]\s*\d+|[tcqo]\b|[pv]\s*\S+)")
+EXTENSIONS = ("autoreload",)  # nothing changes here while a notebook runs
 
 
-def _compiled(source: str, name: str, flags: int) -> Any:
-    try:
-        return compile(source, name, "exec", flags)
-    except SyntaxError:
-        python = without_magics(source, answer="None")
-        if python == source:
-            raise
-        return compile("\n" * (source.count("\n") - python.count("\n")) + python, name, "exec", flags)
+class OwnMagics:
+    """The replaced magics of a shell: of a ``line`` and of a ``cell``, by name."""
+
+    def __init__(self, shell: "Shell") -> None:
+        self._shell = shell
+        self.line: dict[str, Callable[..., Any]] = {
+            **{name: partial(self._no_process, name) for name in INSTALLERS},
+            **dict.fromkeys(("autoreload", "aimport"), _nothing),
+            "config": self._config,
+            "load_ext": self._load_ext,
+            "timeit": self._timeit,
+        }
+        self.cell: dict[str, Callable[..., Any]] = {
+            **{name: partial(self._no_process, f"%%{name}") for name in NO_PROCESS},
+            "capture": self._capture,
+            "time": self._time,
+            "timeit": self._timeit,
+        }
+
+    def _no_process(self, name: str, line: str, cell: str = "") -> None:
+        self._shell.system(f"{name} {line}")
+
+    def _config(self, line: str) -> Any:
+        """Set a configuration, but not that of a front end."""
+        return None if line.startswith("InlineBackend") else self._original("line", "config", line)
+
+    def _load_ext(self, line: str) -> Any:
+        return None if line.strip() in EXTENSIONS else self._original("line", "load_ext", line)
+
+    def _time(self, line: str, cell: str) -> None:
+        """Run the cell below. The empty line stands for the magic, so that the others keep their numbers."""
+        self._shell.run_cell(f"\n{cell}")
+
+    def _capture(self, line: str, cell: str) -> Any:
+        return self._original("cell", "capture", line, f"\n{cell}")
+
+    def _timeit(self, line: str, cell: str | None = None) -> Any:
+        """Run a statement, or the cell below, once."""
+        options = ""
+        while found := TIMEIT_OPTION.match(line):
+            options += "" if found[0].strip()[1] in "nr" else found[0]
+            line = line[found.end() :]
+        return self._original("line", "timeit", f"-n1 -r1 {options} {line}", cell)
+
+    def _original(self, kind: str, name: str, *arguments: Any) -> Any:
+        return self._shell.magics_manager.find(kind, name)(*arguments)
 
 
-def pieces(source: str) -> list[str]:
-    """Split a py:percent file into its cells, so that one that fails does not affect the others. Line numbers
-    are kept.
-
-    A valid Python file is not split if one of its cells is invalid: then a cell mark is part of a string.
-    """
-    bounds = [0, *(mark.start() for mark in MARK.finditer(source)), len(source)]
-    if not 2 < len(bounds) <= MOST_PIECES:
-        return [source]
-    found = [
-        "\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)
-    ]
-    return [source] if _is_python(source) and not all(map(_is_python, found)) else found
-
-
-def needed_sources(sources: Iterable[str], names: Collection[str]) -> set[str]:
-    """Return the sources that bind one of ``names`` or of the names that such sources use.
-
-    Those that are no valid Python and those that import * are among them, as their names are not known. A
-    source that changes an object without binding its name is left out.
-    """
-    found = {source: names_in(source) for source in sources}
-    needed = {
-        source for source, its in found.items() if "import *" in source or not its.bound | its.now | its.later
-    }
-    wanted, grown = set(names), True
-    while grown:
-        more = {source for source, its in found.items() if its.bound & wanted} - needed
-        wanted |= {name for source in needed | more for name in found[source].now | found[source].later}
-        needed, grown = needed | more, bool(more)
-    return needed
-
-
-def last_name(source: str) -> str:
-    """Return the name on a cell's last line, which a notebook displays, or an empty string."""
-    last = source.rstrip().rpartition("\n")[2]
-    return last if last.isidentifier() else ""
-
-
-def _is_python(source: str) -> bool:
-    try:
-        with warnings.catch_warnings(action="ignore"):  # warnings are shown when the code runs
-            compile(source, "cell", "exec")
-    except (SyntaxError, ValueError, MemoryError, RecursionError):
-        return False
-    return True
+def _nothing(line: str) -> None:
+    """Do nothing."""

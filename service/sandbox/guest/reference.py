@@ -15,7 +15,7 @@ def run(job_fd: int, calls_fd: int) -> None:
     """Load the right solutions and answer calls of them until the other process ends."""
     job = Questions(job_fd).job()
     try:
-        names = prepare(compile(job["setup"], FILES["setup"], "exec"))
+        names = prepare(compile(job["setup"], FILES["setup"], "exec")).__dict__
         exec(compile(job["source"], "solution.py", "exec"), names)
         exported, error = {name: names[name] for name in job["names"]}, ""
     except BaseException as raised:

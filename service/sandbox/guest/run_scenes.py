@@ -1,70 +1,39 @@
 """The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
-import ast
 import base64
 import functools
-import linecache
 import marshal
-import signal
 import sys
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
-from time import monotonic, process_time
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ecp import animate
-from ecp.author_errors import SOURCES, AuthorError, author_error, checked_arrays
+from ecp.author_errors import AuthorError, author_error, checked_arrays
 from ecp.data_files import MODULES, use_modules
-from ecp.return_value import describe_exception, is_written, missing
+from ecp.return_value import is_written, missing
 
 from . import unused_libraries
+from .budget import Budget, limited
 from .calls import LOADED, Channel
+from .cells import Cells, Stopped
 from .claims import PRIVATE as RECORDER
 from .claims import Recorder
-from .ipython_stubs import install_stubs
-from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
+from .ending import ending
 from .seal import Seal, in_place, names_used, private_modules
-from .wire import CLOCK_FACTOR, FILES, Questions, Writer, forget, kept
+from .statements import Cause
+from .wire import FILES, Questions, Writer, forget, kept
 from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
 
-DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
-REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
 INTEGRATION = "ecp.integration"
 PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", INTEGRATION)
-
-
-class OutOfTime(BaseException):
-    """The budget of a scene is spent. Not an Exception, so that a broad ``except`` in a submission does not
-    swallow it.
-    """
-
-
-class Budget:
-    """A budget that starts now: ``seconds`` of CPU time and CLOCK_FACTOR times as many of wall-clock time."""
-
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
-        self._cpu, self._clock = process_time() + seconds, monotonic() + CLOCK_FACTOR * seconds
-
-    def left(self) -> float:
-        """Return the seconds left, of CPU time or of wall-clock time, whichever is less."""
-        return max(0.0, min(self._cpu - process_time(), self._clock - monotonic()))
-
-    def sentence(self) -> str:
-        """Return a sentence that names the exceeded limit."""
-        if process_time() >= self._cpu:
-            return f"your code used more than {self.seconds:g} s of CPU time"
-        return (
-            f"your code did not finish within {CLOCK_FACTOR * self.seconds:g} s (of which it may compute"
-            f" {self.seconds:g} s)"
-        )
 
 
 def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
@@ -77,14 +46,14 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     job = questions.job()
     forget()
     try:
-        plays, unchanged, student = _loaded(job)
+        plays, unchanged, module = _loaded(job)
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
         raise
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
-        _run(job, plays, student, questions, write, unchanged=unchanged, reference=reference)
+        _run(job, plays, module, questions, write, unchanged=unchanged, reference=reference)
 
 
 def load(setup: str, plays: str) -> None:
@@ -95,7 +64,7 @@ def load(setup: str, plays: str) -> None:
     _in_advance.append((parts, _loaded(parts)))
 
 
-Loaded = tuple[Names, Callable[[], None], Names]
+Loaded = tuple[Names, Callable[[], None], types.ModuleType]
 _in_advance = list[tuple[dict[str, Any], Loaded]]()
 
 
@@ -133,43 +102,53 @@ class Reference:
 def _run(
     job: dict[str, Any],
     plays: Names,
-    student: Names,
+    module: types.ModuleType,
     questions: Questions,
     write: Writer,
     *,
     unchanged: Callable[[], None],
     reference: Reference | None,
 ) -> None:
+    student = module.__dict__
     recorder = Recorder()
-    with recorder.recording():
-        shows = _load_submission(student, job, recorder, write, reference.functions if reference else {})
-    student |= _adopt(plays, student, shows)
+    cells = Cells(job, module, write, reference.functions if reference else {})
+    try:
+        with recorder.recording():
+            cells.run(recorder)
+    except Stopped:
+        return
+    student |= _adopt(plays, student, cells.shows)
     names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
-    write.event("defined", names=names, claims_left_out=recorder.left_out)
+    missing = cells.missing(job["functions"])
+    write.event("defined", names=names, missing=missing, claims_left_out=recorder.left_out)
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
             continue
-        if absent := _missing(scene, student, job["variables"]):
+        if absent := _missing(scene, student, job["variables"], cells.statements.causes):
+            sentence, code = absent
             write.event("start", scene=scene["name"])
-            write.event(
-                "scene",
-                scene=scene["name"],
-                ended="missing-function",
-                code="missing-function",
-                sentence=absent,
-            )
-        elif _play(scene, plays, student, questions, write, unchanged=unchanged):
+            write.event("scene", scene=scene["name"], ended="missing-function", code=code, sentence=sentence)
+        elif _play(
+            scene, plays, student, questions, write, unchanged=unchanged, cause=cells.statements.cause
+        ):
             finished.add(scene["name"])
         if reference is not None and reference.channel.lost:
             break  # the host plays the scenes that are left in another pair of processes
     write.event("done")
 
 
-def _missing(scene: dict[str, Any], student: Names, variables: list[str]) -> str | None:
-    names = (scene["function"], *scene["needs"]) if scene["source"] is None else ()
-    return next((sentence for name in names if (sentence := missing(student, name, name in variables))), None)
+def _missing(
+    scene: dict[str, Any], student: Names, variables: list[str], causes: Mapping[str, Cause]
+) -> tuple[str, str | None] | None:
+    """Return a sentence and a diagnosis code for a missing name that the scene needs, else None."""
+    for name in (scene["function"], *scene["needs"]) if scene["source"] is None else ():
+        if sentence := missing(student, name, name in variables):
+            if (cause := causes.get(name)) is None:
+                return sentence, "missing-function"
+            return f"{sentence} because {cause.sentence}", cause.code
+    return None
 
 
 def _play(
@@ -180,6 +159,7 @@ def _play(
     write: Writer,
     *,
     unchanged: Callable[[], None],
+    cause: Callable[[BaseException], Cause | None],
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
@@ -198,7 +178,9 @@ def _play(
                 unchanged()
             write.arrays(checked_arrays(play, arrays, scene["returns"]))
 
-    ended = _run_limited(answer, Budget(scene["budget_s"]))
+    budget = Budget(scene["budget_s"])
+    error = limited(answer, budget)
+    ended = ending(error, budget, None if error is None else cause(error))
     write.event("scene", scene=name, **ended)
     return ended["ended"] == "finished"
 
@@ -270,14 +252,13 @@ def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], 
     return plays, private.seal.check
 
 
-def prepare(setup: types.CodeType) -> Names:
-    """Return the namespace of a notebook after its setup cell, with the assignment's own modules."""
+def prepare(setup: types.CodeType) -> types.ModuleType:
+    """Return the main module of a notebook after its Setup cell, with the assignment's own modules."""
     use_modules(Path(MODULES).absolute())
     module = types.ModuleType("__main__")
-    install_stubs(module.__dict__)
     exec(setup, module.__dict__)
     sys.modules["__main__"] = module
-    return module.__dict__
+    return module
 
 
 def _adopt(plays: Names, student: Names, shows: str) -> Names:
@@ -289,97 +270,3 @@ def _adopt(plays: Names, student: Names, shows: str) -> Names:
     except Exception:  # treat a notebook that plays.py cannot handle like one without an animation
         made = {}
     return {name: function for name, function in made.items() if not is_written(student.get(name))}
-
-
-def _load_submission(
-    student: Names, job: dict[str, Any], recorder: Recorder, write: Writer, kept: Names
-) -> str:
-    """Run the cells in order, as a notebook does, and report those that fail. A failure does not stop the
-    next cell.
-
-    When their time is spent, the cell that used it up and those after it only define their functions and
-    classes. Names in ``kept`` keep their values, whatever the cells assign to them. Return the source of the
-    last cell that showed an animation, or an empty string.
-    """
-    budget, shows, left = Budget(job["load_budget_s"]), "", Budget(DEFINITIONS_S)
-    animations = () if unused_libraries.lacks("matplotlib") else sys.modules["matplotlib.animation"].Animation
-    student |= kept
-    several = any(published for _, _, published in job["cells"])
-    needed = _needed_pieces(job) if job["needed_cells"] else None
-    for name, source, published in job["cells"]:
-        budget = Budget(job["load_budget_s"]) if several else budget
-        recorder.cell, recorder.places = name, published
-        linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
-
-        for piece in pieces(source):
-            if needed is not None and piece not in needed:
-                continue
-            if budget.left():
-                before = animate.shown[:]
-                with recorder.in_place(student) if published else nullcontext():
-                    ended = _run_limited(functools.partial(_execute, piece, name, student, kept), budget)
-                recorder.send(write)
-                if (last := student.get(last_name(piece))) is not None and isinstance(last, animations):
-                    animate.shown[:] = [last]
-                shows = shows if animate.shown == before else piece
-                if ended["ended"] != "finished":
-                    write.event("cell", scene=name, **ended)
-                if budget.left():
-                    continue
-                left = Budget(DEFINITIONS_S)
-            _run_limited(functools.partial(_execute, piece, name, student, kept, DEFINITIONS), left)
-    return shows
-
-
-def _needed_pieces(job: dict[str, Any]) -> set[str]:
-    names = {name for scene in job["scenes"] for name in (scene["function"], *scene["needs"])}
-    sources = [piece for _, source, _ in job["cells"] for piece in pieces(source)]
-    return needed_sources(sources, names) if len(sources) > 1 else set(sources)
-
-
-def _execute(
-    source: str, name: str, student: Names, kept: Names, kinds: tuple[type, ...] = (ast.stmt,)
-) -> None:
-    """Execute the statements of these ``kinds``. Names in ``kept`` have their values again after each
-    statement.
-    """
-    whole = not kept and kinds == (ast.stmt,)
-    for code in [runnable(source, name)] if whole else statements(source, name, kinds):
-        exec(code, student)
-        student.update(kept)
-
-
-def _run_limited(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
-    """Run ``action`` within ``budget``. Return its scene end as the fields of an event."""
-
-    def check_budget(signum: int, frame: Any) -> None:
-        if not budget.left():
-            raise OutOfTime
-
-    signal.signal(signal.SIGALRM, check_budget)
-    signal.setitimer(signal.ITIMER_REAL, max(0.01, budget.left()), REPEAT_S)
-    try:
-        try:
-            with np.errstate(all="ignore"):
-                action()
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-    except OutOfTime:
-        return {"ended": "timed-out", "code": "timeout", "sentence": budget.sentence()}
-    except BaseException as error:
-        return describe_exception(error, _is_of_submission) | {"author": _author_error(error)}
-    return {"ended": "finished", "sentence": "finished"}
-
-
-def _author_error(error: BaseException) -> str | None:
-    try:
-        return author_error(
-            error,
-            lambda name: _is_of_submission(name) or (name[:1] == "<" and not name.startswith("<frozen")),
-        )
-    except BaseException:  # its own __str__ fails, for example
-        return None
-
-
-def _is_of_submission(filename: str) -> bool:
-    return filename in linecache.cache and "/" not in filename and filename not in SOURCES

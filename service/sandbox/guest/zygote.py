@@ -50,6 +50,7 @@ WARM = (
     "hashlib",
 )
 KINDS_MODULE = "ecp.kinds"
+IPYTHON = "ipython"
 MODULES = {
     "kinds": (KINDS_MODULE,),
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
@@ -59,6 +60,7 @@ MODULES = {
         "matplotlib.pyplot",
         "mpl_toolkits.mplot3d.art3d",
     ),
+    IPYTHON: ("guest.shell",),
 }
 IMPORT, KEEP, LOAD, FORK = b"import ", b"keep ", b"load ", b"fork"
 # for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within
@@ -182,6 +184,8 @@ def _import(library: str) -> None:
         importlib.import_module(name)
     if library == "matplotlib":
         sys.modules["matplotlib"].use("Agg")
+    if library == IPYTHON:
+        sys.modules["guest.shell"].warm_up()
 
 
 def _reap(children: list[int], handles: list[int]) -> bytes:

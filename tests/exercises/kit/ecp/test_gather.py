@@ -13,7 +13,7 @@ from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
 from ecp.gather import CannotSend, gather, whole_notebook
-from service.sandbox.guest.magics import runnable
+from ecp.notebook.cells import python_of
 
 
 class Notebook:
@@ -705,7 +705,7 @@ def test_the_whole_notebook_runs_where_magics_are_blanked():
     text = as_text(cells)
     assert "%matplotlib inline" in text and "# %%bash" in text and "# def broken(:" in text
     namespace = {}
-    exec(runnable(text, "notebook"), namespace)
+    exec(python_of(text), namespace)
     assert (namespace["a"], namespace["b"], namespace["c"], namespace["files"]) == (1, 2, 3, None)
 
 
@@ -714,5 +714,5 @@ def test_the_whole_notebook_keeps_lines_that_only_look_like_magics():
     namespace = {}
     text = as_text(cells)
     ast.parse(text)
-    exec(runnable(text, "notebook"), namespace)
+    exec(python_of(text), namespace)
     assert (namespace["a"], namespace["b"]) == ("\n%kept\n", 3)

@@ -111,7 +111,7 @@ USES_SCIPY = {
 
 def job(source):
     scene = SceneRequest("one", "ask", "f", {}, {"x": ArraySpec(())}, 2.0, None)
-    return Job(SETUP, PLAYS, (Cell("cell 1", IMPORTS + source),), ("f",), (scene,))
+    return Job(SETUP, PLAYS, (Cell("submission.py", IMPORTS + source),), ("f",), (scene,))
 
 
 @pytest.fixture(scope="module")

@@ -67,8 +67,10 @@ def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> I
     )
     for picture, view in views:
         sure = picture.directions()[1]
-        if sentence := _fixed_elsewhere(sure[np.any(sure != 0, axis=1)], view, motion, unit):
-            yield Shown(None, "wrong-angular-momentum", f"{sentence}: draw L as it is given")
+        sentence, certain = _fixed_elsewhere(sure[np.any(sure != 0, axis=1)], view, motion, unit)
+        if sentence:
+            verdict = False if certain else None
+            yield Shown(verdict, "wrong-angular-momentum", f"{sentence}: draw L as it is given")
 
 
 def _end_on(picture: Picture) -> bool:
@@ -85,9 +87,9 @@ def _end_on(picture: Picture) -> bool:
     return False
 
 
-def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> str:
-    """Return where the only fixed line points if that is not L. Of several lines, such as axes, none needs to
-    be L.
+def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> tuple[str, bool]:
+    """Return where the only fixed line points if that is not L, and whether it must be meant as L: an axis
+    of coordinates need not be. Of several lines, none needs to be L.
     """
     single = len(sure) > 0 and all(cameras.parallel(np.array([one, -one]), sure[0]) for one in sure)
     along = [name for name, direction in zip("xyz", view.T, strict=True) if cameras.parallel(sure, direction)]
@@ -95,11 +97,9 @@ def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> s
     lines = [sure[0] / np.linalg.norm(sure[0]) if single else unit, unit]
     line, L = (", ".join(f"{x:.2f}" for x in direction) for direction in lines)
     if single and len(along) == 1:
-        return f"a fixed line points along {along[0]}, but L points along ({L})"
+        return f"a fixed line points along {along[0]}, but L points along ({L})", False
     if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):
-        return "the fixed line uses the body components of L: convert them with R·L_body"
-    return (
-        f"the only fixed line points along ({line}), but L points along ({L})"
-        if single and not along and len(view) == 3
-        else ""
-    )
+        return "the fixed line uses the body components of L: convert them with R·L_body", single
+    if single and not along and len(view) == 3:
+        return f"the only fixed line points along ({line}), but L points along ({L})", True
+    return "", False

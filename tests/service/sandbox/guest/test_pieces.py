@@ -1,40 +1,6 @@
 import pytest
 
-from service.sandbox.guest.magics import MOST_PIECES, needed_sources, pieces, runnable
-
-
-def run(source):
-    names = {}
-    exec(runnable(source, "cell 1"), names)
-    return {k: v for k, v in names.items() if k != "__builtins__"}
-
-
-@pytest.mark.parametrize(
-    ("source", "names"),
-    [
-        ("%matplotlib inline\nx = 1", {"x": 1}),
-        ("x = 1\n!ls -l\ny = 2", {"x": 1, "y": 2}),
-        ("%%time\nx = 1", {"x": 1}),
-        ("%%capture out\n%%time\nx = 1", {"x": 1}),
-        ("%%bash\nx = 1", {}),
-        ("if True:\n    %time\n    x = 1", {"x": 1}),
-        ("text = '''\n%not a magic\n'''", {"text": "\n%not a magic\n"}),
-        ("x = 7 \\\n% 4", {"x": 3}),
-        (
-            "%time x = 1\nfiles = !ls\nx?\n!pip install \\\n   numpy\ny = (7\n  % 4)",
-            {"x": 1, "files": None, "y": 3},
-        ),
-        ("    x = 1\n    %pwd", {"x": 1}),
-    ],
-)
-def test_magics(source, names):
-    assert run(source) == names
-
-
-def test_a_real_syntax_error_keeps_its_line():
-    with pytest.raises(SyntaxError) as caught:
-        runnable("%time\nx = 1\ny = (", "cell 1")
-    assert caught.value.lineno == 3
+from service.sandbox.guest.pieces import MOST_PIECES, needed_sources, pieces
 
 
 def test_a_percent_file_is_its_cells_and_lines_keep_their_numbers():
@@ -46,7 +12,7 @@ def test_a_percent_file_is_its_cells_and_lines_keep_their_numbers():
         "\n\n\n\n\n# %%\nz = (\n",
     ]
     with pytest.raises(SyntaxError) as caught:
-        runnable(found[-1], "cell 1")
+        compile(found[-1], "cell 1", "exec")
     assert caught.value.lineno == 7
 
 

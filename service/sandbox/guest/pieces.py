@@ -1,0 +1,53 @@
+"""The cells of a py:percent file, and those of them that define what a scene needs."""
+
+import itertools
+import re
+import warnings
+from collections.abc import Collection, Iterable
+
+from ecp.notebook.names import names_in
+
+MARK = re.compile(r"^# %%", re.MULTILINE)
+MOST_PIECES = 500
+
+
+def pieces(source: str) -> list[str]:
+    """Split a py:percent file into its cells, so that one that fails does not affect the others. Line numbers
+    are kept.
+
+    A valid Python file is not split if one of its cells is invalid: then a cell mark is part of a string.
+    """
+    bounds = [0, *(mark.start() for mark in MARK.finditer(source)), len(source)]
+    if not 2 < len(bounds) <= MOST_PIECES:
+        return [source]
+    found = [
+        "\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)
+    ]
+    return [source] if _is_python(source) and not all(map(_is_python, found)) else found
+
+
+def needed_sources(sources: Iterable[str], names: Collection[str]) -> set[str]:
+    """Return the sources that bind one of ``names`` or of the names that such sources use.
+
+    Those that are no valid Python and those that import * are among them, as their names are not known. A
+    source that changes an object without binding its name is left out.
+    """
+    found = {source: names_in(source) for source in sources}
+    needed = {
+        source for source, its in found.items() if "import *" in source or not its.bound | its.now | its.later
+    }
+    wanted, grown = set(names), True
+    while grown:
+        more = {source for source, its in found.items() if its.bound & wanted} - needed
+        wanted |= {name for source in needed | more for name in found[source].now | found[source].later}
+        needed, grown = needed | more, bool(more)
+    return needed
+
+
+def _is_python(source: str) -> bool:
+    try:
+        with warnings.catch_warnings(action="ignore"):  # warnings are shown when the code runs
+            compile(source, "cell", "exec")
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        return False
+    return True

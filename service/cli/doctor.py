@@ -85,7 +85,7 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
 def _limits() -> str:
     of, mib = lockdown.LIMITS, lockdown.MIB
     memory = f"address space {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
-    files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE]}"
+    files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE] // mib} MiB"
     return f"{memory}, CPU {Settings().grading_cpu:g} s, {files}"
 
 

@@ -1,8 +1,9 @@
 """Isolation level ``namespaces``: the guest under bubblewrap, with user, mount, process, network, IPC and
 host name namespaces.
 
-Its file system holds only what a guest needs and is read-only, except for a small scratch folder that
-matplotlib needs when the zygote imports it. Landlock denies the children access to that folder.
+Its file system holds only what a guest needs and is read-only, except for a small folder that matplotlib
+needs when the zygote imports it, to which Landlock denies the children access, and for the scratch folders of
+the children. These are in memory, with a file system for the guest and for each of several copies.
 """
 
 import os
@@ -11,6 +12,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from service.sandbox.guest.lockdown import GUEST_UID
+from service.sandbox.guest.scratch import MIB, ROOM
 from service.sandbox.guest_files import (
     DEVICES,
     GUEST,
@@ -33,7 +35,8 @@ from service.sandbox.isolation import (
 
 GUEST_HOME = "/polhode"  # not /tmp: the checkout itself may lie there
 # Apart, because Landlock's rules hold for everything below a folder.
-GUEST_CODE, GUEST_DATA, SCRATCH = f"{GUEST_HOME}/code", f"{GUEST_HOME}/data", f"{GUEST_HOME}/scratch"
+GUEST_CODE, GUEST_DATA, MATPLOTLIB = f"{GUEST_HOME}/code", f"{GUEST_HOME}/data", f"{GUEST_HOME}/matplotlib"
+ROOMS = [f"{GUEST_HOME}/scratch/{number}" for number in range(1 + (os.cpu_count() or 1))]
 
 
 def namespace_isolation(
@@ -56,8 +59,9 @@ def namespace_isolation(
         readable=readable,
         listable=[SITE_PACKAGES, STANDARD_LIBRARY],
         folders=[],
+        scratch=ROOMS,
     )
-    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
+    variables = ENVIRONMENT | {"MPLCONFIGDIR": MATPLOTLIB, "HOME": GUEST_HOME}
     setting = (part for pair in variables.items() for part in ("--setenv", *pair))
     around = (
         program,
@@ -105,6 +109,7 @@ def _files(binds: list[Path]) -> list[str]:
         Path("/dev"),
         Path(GUEST_HOME),
         Path(GUEST_CODE),
+        Path(ROOMS[0]).parent,
     }
     args: list[str] = []
     for folder in sorted(folder for folder in folders if not folder.is_relative_to(STANDARD_LIBRARY)):
@@ -125,20 +130,10 @@ def _files(binds: list[Path]) -> list[str]:
     args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
-    args += [
-        "--perms",
-        "0755",
-        "--size",
-        str(1 << 20),
-        "--tmpfs",
-        SCRATCH,
-        "--perms",
-        "0777",
-        "--dir",
-        f"{SCRATCH}/mpl",
-    ]
+    for room, size in {MATPLOTLIB: MIB, **dict.fromkeys(ROOMS, ROOM)}.items():
+        args += ["--perms", "0777", "--size", str(size), "--tmpfs", room]
     for cached in font_list():
-        args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
+        args += ["--ro-bind", str(cached), f"{MATPLOTLIB}/{cached.name}"]
     return args
 
 

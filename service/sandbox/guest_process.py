@@ -3,31 +3,45 @@ the rest.
 """
 
 import contextlib
+import logging
 import os
 import signal
 import socket
 import subprocess
 import tempfile
+import time
+import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from service.sandbox.guest import scratch
 from service.sandbox.guest.zygote import LATER, MODULES
+
+log = logging.getLogger(__name__)
+COMMON = Path("/tmp")
+TRIES, PAUSE_S = 40, 0.05
 
 
 class GuestProcess:
     """A zygote's ``process``, started by ``command``, which gets the number of its end of ``control`` as last
     argument.
 
-    It starts in the folder ``data`` of its own and writes to the file ``log``. Without ``libraries`` it
-    starts sooner and imports one of MODULES when a job needs it.
+    It starts in the folder ``data`` of its own and writes to the file ``log``. Beside that folder is one in
+    which, without namespaces, it makes the scratch folders of its children. Without ``libraries`` it starts
+    sooner and imports one of MODULES when a job needs it.
     """
 
     def __init__(
         self, command: Sequence[str], environment: Mapping[str, str], *, libraries: bool = True
     ) -> None:
         self.imported = frozenset(MODULES if libraries else ())
-        self.data = tempfile.TemporaryDirectory(prefix="polhode-data-")
-        os.chmod(self.data.name, 0o755)  # noqa: S103 -- the guest may be another user
+        folder = Path(tempfile.mkdtemp(prefix="polhode-guest-", dir=_temporary_folder()))
+        self._remove_folder = weakref.finalize(self, _remove, folder)
+        self.data = folder / "data"
+        self.data.mkdir()
+        (folder / "scratch").mkdir(0o700)
+        for shown, mode in ((folder, 0o711), (self.data, 0o755)):  # the guest may be another user
+            shown.chmod(mode)
         self.control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
         self.process = subprocess.Popen(
@@ -37,7 +51,7 @@ class GuestProcess:
             stdout=self.log,
             stderr=self.log,
             env=environment,
-            cwd=self.data.name,
+            cwd=self.data,
             start_new_session=True,
         )
         theirs.close()
@@ -54,5 +68,29 @@ class GuestProcess:
             os.killpg(self.process.pid, signal.SIGKILL)
         self.control.close()
         self.log.close()
-        self.data.cleanup()
         self.process.wait(timeout=10)
+        self._remove_folder()
+
+
+def _temporary_folder() -> Path:
+    """Return the folder for temporary files, or if root has one that is closed to others, a common one."""
+    found = Path(tempfile.gettempdir()).absolute()
+    is_open = all(folder.stat().st_mode & 0o001 for folder in (found, *found.parents))
+    return found if is_open or os.geteuid() != 0 else COMMON
+
+
+def _remove(folder: Path) -> None:
+    """Remove the folder of a guest that has been killed. Its children may need a moment to end."""
+    for _ in range(TRIES):
+        try:
+            for one in folder.iterdir():
+                scratch.remove(str(one))
+            folder.rmdir()
+        except FileNotFoundError:
+            return
+        except OSError as error:
+            reason = error
+            time.sleep(PAUSE_S)
+        else:
+            return
+    log.error("the folder %s of a sandbox process could not be removed: %s", folder, reason)

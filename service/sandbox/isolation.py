@@ -47,9 +47,9 @@ CHANGE_USER = (
 )
 OWN_FOLDERS = Path("/proc/self/fd")
 TRY_S = 20.0
-DATA = "."
-"""The working folder of a zygote and its children, which they may read. Its own host process puts data files
-there.
+DATA, SCRATCH = ".", "../scratch"
+"""Folders of a guest process: its working folder, which it and its children may read and in which its host
+process puts data files, and that of the scratch folders, which namespaces have inside.
 """
 Level = Literal["namespaces", "process"]
 # applied by each child; bubblewrap adds namespaces around the zygote
@@ -145,6 +145,7 @@ def process_isolation(
         readable=[*readable, DATA],
         listable=[*path, STANDARD_LIBRARY],
         folders=opened,
+        scratch=[SCRATCH],
     )
     around = (
         (str(INTERPRETER), "-I", "-S", "-c", OPEN_FOLDERS, json.dumps(opened, default=str)) if opened else ()

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest.place import Place
+from service.sandbox.guest.scratch import NO_ROOM
 from service.sandbox.guest.wire import CLOCK_FACTOR, LENGTH, MALFORMED, pack
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job
@@ -36,13 +37,14 @@ POLL_S = 0.2  # interval at which a cancellation is noticed
 
 
 class ChildExit(NamedTuple):
-    """The wait ``status`` of a child, that of the child with its ``reference`` functions, and the seconds of
-    CPU time of both.
+    """The wait ``status`` of a child, that of the child with its ``reference`` functions, the seconds of CPU
+    time of both, and whether the child ended because its scratch folder was ``full``.
     """
 
     status: int
     reference: int
     cpu_s: float
+    full: bool
 
     @classmethod
     def unpack(cls, data: bytes) -> "ChildExit":
@@ -222,7 +224,7 @@ class PlaySession:
             lost = [self.reader.started]
         else:
             lost = [s.name for s in self.job.scenes if s.name not in result.scene_ends]
-        sentence = self.budget.exceeded() if scene_end is Ended.TIMED_OUT else ""
+        sentence = self.budget.exceeded() if scene_end is Ended.TIMED_OUT else self._sentence(scene_end)
         for scene in lost:
             result.arrays.pop(scene, None)
             result.scene_ends[scene] = SceneEnd(
@@ -237,7 +239,7 @@ class PlaySession:
         if self.reader.out_of_time:
             ended, sentence = Ended.TIMED_OUT, self.reader.out_of_time
         else:
-            sentence = SENTENCES[ended]
+            sentence = self._sentence(ended)
         cell_end = SceneEnd(
             scene=statement.cell,
             ended=ended,
@@ -247,6 +249,9 @@ class PlaySession:
         )
         result.left_out[statement] = cell_end
         result.cells[statement.cell] = cell_end
+
+    def _sentence(self, ended: Ended) -> str:
+        return NO_ROOM if self.stopped is None and self.ended and self.ended.full else SENTENCES[ended]
 
     def _read_from(self, end: Any) -> bool:
         """Read from one end. Return False at its end of file."""
@@ -276,6 +281,8 @@ class PlaySession:
         if self.complete:
             return None
         assert self.ended is not None
+        if self.ended.full:
+            return Ended.OUTPUT
         code, reference = self.ended.codes
         if reference == MALFORMED:
             return Ended.PROTOCOL

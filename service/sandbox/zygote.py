@@ -302,7 +302,7 @@ class Zygote:
     @contextlib.contextmanager
     def _data_files(self, job: Job) -> Iterator[None]:
         """Copy the job's data files into the folder in which children start, and remove them afterwards."""
-        folder = Path(self._started.data.name)
+        folder = self._started.data
         try:
             try:
                 for name, source in job.data.items():

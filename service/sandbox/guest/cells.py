@@ -20,6 +20,7 @@ from .claims import Recorder
 from .ending import ending
 from .pieces import needed_sources, pieces
 from .place import Place
+from .scratch import end_if_full
 from .statements import Attempt, Cause, Statements
 from .wire import Writer
 
@@ -147,6 +148,7 @@ class Cells:
         """Yield the statements that run, until their time is spent. A displayed animation is shown."""
         for attempt in self.statements.run(nodes):
             yield attempt
+            end_if_full()
             self._names |= self._fixed
             if not self._budget.left():
                 attempt.error = attempt.error or OutOfTime()

@@ -11,6 +11,7 @@ from ecp.author_errors import SOURCES, author_error
 from ecp.return_value import describe_exception
 
 from .budget import Budget, OutOfTime
+from .scratch import NO_ROOM
 from .statements import Cause
 
 PYTHON = ".".join(platform.python_version_tuple()[:2])
@@ -20,7 +21,7 @@ NO_PROCESSES = "the grader starts no processes: compute this without subprocess 
 NO_THREADS = "the grader starts no threads: compute this without them"
 NO_NETWORK = "the grader has no network: put the data into the notebook or read a file of the assignment"
 NO_INPUT = "the grader cannot ask for input: write the value into the code"
-NO_ROOM = "the scratch folder of the grader is full: write less"
+ELSEWHERE = "the grader opens files only in the working folder: use a relative name"
 MODULES = (
     (re.compile(r"/(subprocess|multiprocessing/\w+|concurrent/futures/process|pty)\.py$"), NO_PROCESSES),
     (re.compile(r"/(threading|concurrent/futures/thread)\.py$"), NO_THREADS),
@@ -28,6 +29,7 @@ MODULES = (
 )
 PROCESS_CALL = re.compile(r"\bos\.(fork\w*|posix_spawn\w*|exec\w+|system|popen|spawn\w+|kill)\(")
 FULL = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
+CLOSED = (errno.EACCES, errno.EROFS)
 
 
 def ending(error: BaseException | None, budget: Budget, cause: Cause | None = None) -> dict[str, Any]:
@@ -63,10 +65,12 @@ def _limit(error: BaseException) -> str:
         return NO_INPUT
     if isinstance(error, OSError) and (error.errno in FULL or PROCESS_CALL.search(last)):
         return NO_ROOM if error.errno in FULL else NO_PROCESSES
-    if not isinstance(error, OSError | RuntimeError | ImportError):
-        return ""
     named = [said for frame in frames for pattern, said in MODULES if pattern.search(frame.filename)]
-    return named[-1] if named else ""
+    if not isinstance(error, OSError | RuntimeError | ImportError):
+        named.clear()
+    opened = isinstance(error, OSError) and error.errno in CLOSED and error.filename is not None
+    imported = bool(frames) and frames[-1].filename.startswith("<frozen importlib")
+    return named[-1] if named else ELSEWHERE if opened and not imported else ""
 
 
 def _author_error(error: BaseException) -> str | None:

@@ -1,7 +1,8 @@
-"""Landlock rules: open only the named files, write to none, use no TCP port, signal no process outside.
+"""Landlock rules: open only the named files, write only below a folder of its own, use no TCP port, signal no
+process outside.
 
 Kernel documentation: Documentation/userspace-api/landlock.rst; numbers: <linux/landlock.h>. Version 1
-suffices: what it does not govern (truncation, TCP, signals), the system call filter denies.
+suffices: what it does not govern (truncation by name, TCP, signals), the system call filter denies.
 """
 
 import ctypes
@@ -10,10 +11,14 @@ import stat
 import struct
 from collections.abc import Iterable
 
-from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT, syscall
+from .syscalls import LANDLOCK_CREATE, LANDLOCK_RESTRICT, add_rule, syscall
 
 WRITE_FILE, READ_FILE, READ_DIR = 1 << 1, 1 << 2, 1 << 3
-SINK = "/dev/null"  # the only file that may be written to
+REMOVE_DIR, REMOVE_FILE, MAKE_DIR, MAKE_REG = 1 << 4, 1 << 5, 1 << 7, 1 << 8
+REFER, TRUNCATE = 1 << 13, 1 << 14
+OF_A_FILE = READ_FILE | WRITE_FILE
+OWN = OF_A_FILE | READ_DIR | REMOVE_DIR | REMOVE_FILE | MAKE_DIR | MAKE_REG | REFER | TRUNCATE
+SINK = "/dev/null"  # the only file outside of its own folder that a child may write to
 VERSION_QUERY, PATH_BENEATH = 1, 1
 PATH_BENEATH_ATTR = struct.Struct(
     "=Qi"
@@ -32,22 +37,34 @@ def version() -> int:
         return 0
 
 
-def ruleset(readable: Iterable[str], listable: Iterable[str]) -> int:
-    """Return a descriptor of rules that allow only reading below ``readable`` and listing below ``listable``.
+class Paths:
+    """Files and folders ``readable`` and ``listable``, which stay open: later this process may not be allowed
+    to open them.
 
     Raises OSError if the kernel has no Landlock.
     """
-    known = version()
-    if known < 1:
-        raise OSError("this kernel has no Landlock")
-    rights = (1 << FILE_RIGHTS.get(known, NEWEST_FILE_RIGHTS)) - 1
-    attributes = (ctypes.c_uint64 * 3)(rights, TCP if known >= 4 else 0, SCOPES if known >= 6 else 0)
-    rules = syscall(LANDLOCK_CREATE, ctypes.byref(attributes), 8 if known < 4 else 16 if known < 6 else 24, 0)
-    for path in readable:
-        _allow(rules, path, READ_FILE | READ_DIR | (WRITE_FILE if path == SINK else 0))
-    for path in listable:
-        _allow(rules, path, READ_DIR)
-    return rules
+
+    def __init__(self, readable: Iterable[str], listable: Iterable[str]) -> None:
+        self._version = version()
+        if self._version < 1:
+            raise OSError("this kernel has no Landlock")
+        self._rules = [
+            _rule(path, READ_FILE | READ_DIR | (WRITE_FILE if path == SINK else 0)) for path in readable
+        ]
+        self._rules += [_rule(path, READ_DIR) for path in listable]
+
+    def ruleset(self, own: str | None) -> int:
+        """Return a descriptor of rules that allow only reading and listing below these paths, and writing
+        below the folder ``own``, if there is one.
+        """
+        known = self._version
+        rights = (1 << FILE_RIGHTS.get(known, NEWEST_FILE_RIGHTS)) - 1
+        attributes = (ctypes.c_uint64 * 3)(rights, TCP if known >= 4 else 0, SCOPES if known >= 6 else 0)
+        size = 8 if known < 4 else 16 if known < 6 else 24
+        rules = syscall(LANDLOCK_CREATE, ctypes.byref(attributes), size, 0)
+        for rule in (*self._rules, *([] if own is None else [_rule(own, OWN & rights)])):
+            add_rule(rules, PATH_BENEATH, rule)
+        return rules
 
 
 def restrict(rules: int) -> None:
@@ -55,11 +72,8 @@ def restrict(rules: int) -> None:
     syscall(LANDLOCK_RESTRICT, rules, 0)
 
 
-def _allow(rules: int, path: str, rights: int) -> None:
+def _rule(path: str, rights: int) -> bytes:
     parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    try:
-        if not stat.S_ISDIR(os.fstat(parent).st_mode):
-            rights &= READ_FILE | WRITE_FILE
-        syscall(LANDLOCK_ADD, rules, PATH_BENEATH, PATH_BENEATH_ATTR.pack(rights, parent), 0)
-    finally:
-        os.close(parent)
+    if not stat.S_ISDIR(os.fstat(parent).st_mode):
+        rights &= OF_A_FILE
+    return PATH_BENEATH_ATTR.pack(rights, parent)

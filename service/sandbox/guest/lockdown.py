@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from . import landlock, seccomp
+from . import landlock, scratch, seccomp
 from .syscalls import CLOSE_RANGE, MACHINES, call, syscall
 
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_NO_NEW_PRIVS = 1, 4, 38
@@ -26,7 +26,7 @@ LIMITS = {
     resource.RLIMIT_STACK: 8 * MIB,
     resource.RLIMIT_NOFILE: 32,
     resource.RLIMIT_NPROC: 1,
-    resource.RLIMIT_FSIZE: 0,
+    resource.RLIMIT_FSIZE: scratch.MOST_FILE,
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_MEMLOCK: 0,
     resource.RLIMIT_MSGQUEUE: 0,
@@ -41,14 +41,17 @@ class Layers:
     """The ``layers`` that each child applies, of "landlock", "seccomp" and "limits". The zygote prepares them
     once.
 
-    A child keeps the open ``folders`` (/proc/self/fd/N), through which it finds files below closed ones.
+    A child keeps the open ``folders`` (/proc/self/fd/N), through which it finds files below closed ones. It
+    can write to no file unless it has an ``own_folder``.
     """
 
     def __init__(
         self, layers: list[str], readable: list[str], listable: list[str], folders: Sequence[str] = ()
     ) -> None:
         self._limits = "limits" in layers
-        self._rules = landlock.ruleset(readable, listable) if "landlock" in layers else None
+        self._paths = landlock.Paths(readable, listable) if "landlock" in layers else None
+        self._rules: int | None = None
+        self._most_file = 0
         self._folders = [int(os.path.basename(folder)) for folder in folders]
         self._machine = MACHINES.get(platform.machine())
         self._filter: bytes | None = None
@@ -56,6 +59,12 @@ class Layers:
             if self._machine is None:
                 raise OSError(f"polhode has no system call filter for this processor ({platform.machine()})")
             self._filter = seccomp.program(self._machine)
+
+    def own_folder(self, path: str | None) -> None:
+        """Let this process write below ``path``, if it is not None, when it has applied the layers."""
+        if self._paths is not None:
+            self._rules = self._paths.ruleset(path)
+        self._most_file = 0 if path is None else LIMITS[resource.RLIMIT_FSIZE]
 
     def apply(self, places: Mapping[int, int], cpu_s: int) -> None:
         """Apply the layers to this process, which cannot undo them, and close all files except ``places``.
@@ -88,7 +97,7 @@ class Layers:
         others.
         """
         if self._limits:
-            for which, limit in LIMITS.items():
+            for which, limit in (LIMITS | {resource.RLIMIT_FSIZE: self._most_file}).items():
                 resource.setrlimit(which, (limit, limit))
 
     def close_all_but(self, places: Mapping[int, int]) -> None:

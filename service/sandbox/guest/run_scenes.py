@@ -30,6 +30,7 @@ from .wire import FILES, Questions, Writer, forget, kept
 from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
+OWN_MODULES = Path(MODULES).absolute()  # of an assignment, among its data files, where the zygote starts
 
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
 INTEGRATION = "ecp.integration"
@@ -254,7 +255,7 @@ def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], 
 
 def prepare(setup: types.CodeType) -> types.ModuleType:
     """Return the main module of a notebook after its Setup cell, with the assignment's own modules."""
-    use_modules(Path(MODULES).absolute())
+    use_modules(OWN_MODULES)
     module = types.ModuleType("__main__")
     exec(setup, module.__dict__)
     sys.modules["__main__"] = module

@@ -54,6 +54,7 @@ def program(machine: Machine) -> bytes:
         _step(RETURN, refuse),
         _step(RETURN, ALLOW),
     ]
+    done, none = [_step(RETURN, FAIL)], [_step(RETURN, FAIL | errno.EOPNOTSUPP)]
     rules = {
         "open": _no_truncation(1),
         "openat": _no_truncation(2),
@@ -66,6 +67,10 @@ def program(machine: Machine) -> bytes:
         "ioctl": _only(1, (TCGETS, FIOCLEX), FAIL | errno.ENOTTY),
         "fcntl": _only(1, (F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC), refuse),
         "setitimer": _only(0, (ITIMER_REAL,), refuse),
+        # no file outlives the child
+        **dict.fromkeys(("fsync", "fdatasync", "msync"), done),
+        # as on a file system that has none: copying a file asks for them
+        **dict.fromkeys(("listxattr", "llistxattr", "flistxattr"), none),
         # without the step that allows the call: the next ones decide
         "prlimit64": [*own[:-1], *read_only, _step(RETURN, ALLOW), _step(RETURN, refuse)],
     }

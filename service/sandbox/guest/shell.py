@@ -6,6 +6,7 @@ text, and ``await`` runs in an event loop that only sleeps.
 """
 
 import ast
+import os
 import types
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -37,6 +38,7 @@ class Shell(InteractiveShell):
     def __init__(self) -> None:
         self.attempts: Attempts = _all
         super().__init__(ipython_dir="/", user_module=types.ModuleType("__main__"), colors="nocolor")
+        self.db = {}  # what a profile would keep: %cd and %bookmark use it
         assert self.display_formatter is not None
         self.display_formatter.active_types = ["text/plain"]
         self._loop = event_loop.install()
@@ -48,6 +50,7 @@ class Shell(InteractiveShell):
     def open(self, module: types.ModuleType, attempts: Attempts) -> None:
         """Run the cells that follow in the namespace of ``module``."""
         self.user_module, self.user_ns, self.attempts = module, module.__dict__, attempts
+        self.home_dir = os.path.expanduser("~")  # of the child, not of the zygote
         self.init_user_ns()
 
     def run(self, source: str, name: str) -> BaseException | None:

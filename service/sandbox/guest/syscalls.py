@@ -2,8 +2,10 @@
 
 Numbers: Linux's arch/x86/entry/syscalls/syscall_64.tbl and include/uapi/asm-generic/unistd.h (aarch64); a
 test compares them with the kernel headers of the machine. Left out on purpose: fork, vfork, exec, sockets,
-ptrace, signals to others, all that creates, changes or removes a file, shared memory, timers except the one
-of a scene's budget, namespaces, keys, bpf, io_uring, userfaultfd, sessions and every newer call.
+ptrace, signals to others, all that makes a link or a device, all that changes the mode, owner, times or
+extended attributes of a file, shared memory, timers except the one of a scene's budget, namespaces, keys,
+bpf, io_uring, userfaultfd, sessions and every newer call. Landlock governs where a child may make, change and
+remove files.
 """
 
 import ctypes
@@ -73,6 +75,12 @@ _X86_64 = {
         "getdents": 78,
         "getcwd": 79,
         "readlink": 89,
+        "ftruncate": 77,
+        "chdir": 80,
+        "rename": 82,
+        "mkdir": 83,
+        "rmdir": 84,
+        "unlink": 87,
         "umask": 95,
         "gettimeofday": 96,
         "getrlimit": 97,
@@ -105,6 +113,7 @@ _X86_64 = {
         "fadvise64": 221,
         "exit_group": 231,
     },
+    **{"mkdirat": 258, "unlinkat": 263, "renameat": 264},
     **{"newfstatat": 262, "readlinkat": 267, "faccessat": 269, "pselect6": 270, "ppoll": 271},
     **{
         "set_robust_list": 273,
@@ -118,6 +127,7 @@ _X86_64 = {
     **{"statx": 332, "rseq": 334, "close_range": 436, "faccessat2": 439},
 }
 _AARCH64 = {
+    **{"mkdirat": 34, "unlinkat": 35, "renameat": 38, "ftruncate": 46, "chdir": 49},
     **{
         "getcwd": 17,
         "dup": 23,
@@ -216,6 +226,8 @@ _NARROW = {  # numbers on x86_64 and on aarch64
         "clock_gettime": (228, 113),
     },
     **{"clock_getres": (229, 114), "clock_nanosleep": (230, 115)},
+    **{"fsync": (74, 82), "fdatasync": (75, 83), "msync": (26, 227)},
+    **{"listxattr": (194, 11), "llistxattr": (195, 12), "flistxattr": (196, 13)},
 }
 
 MACHINES = {
@@ -228,6 +240,9 @@ MACHINES = {
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
+_add_rule = _libc["syscall"]  # with the types of its arguments, as it is called hundreds of times for a child
+_add_rule.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_long, ctypes.c_char_p, ctypes.c_long)
+_add_rule.restype = ctypes.c_long
 
 
 def call(name: str, *args: Any) -> None:
@@ -244,6 +259,12 @@ def syscall(number: int, *args: Any) -> int:
     if result < 0:
         raise _error(f"system call {number}")
     return result
+
+
+def add_rule(rules: int, kind: int, attributes: bytes) -> None:
+    """Add a rule to a Landlock ruleset. Raises OSError if the kernel refuses."""
+    if _add_rule(LANDLOCK_ADD, rules, kind, attributes, 0) < 0:
+        raise _error("landlock_add_rule")
 
 
 def _error(call: str) -> OSError:

@@ -1,7 +1,8 @@
 """The zygote: a warm process that imports the libraries once and forks a child for each play.
 
 It reads no submission and has no secret. It forks the child of the next play in advance (``_Spare``), which
-waits for its files: when it starts, on FORK, or when a play begins if the host says so.
+waits for its files: when it starts, on FORK, or when a play begins if the host says so. Each child that runs
+a submission has a scratch folder (scratch.py). If one cannot be removed, the zygote ends.
 
 For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it
@@ -15,6 +16,7 @@ LOAD and the names of a kept setup and of kept plays, every child loads these be
 has the same; with LOAD alone none does.
 """
 
+import contextlib
 import gc
 import importlib
 import json
@@ -28,6 +30,8 @@ import traceback
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from .scratch import FULL, WATCH_S, Scratch
+
 NEEDED = {
     "scipy": 95,
     "matplotlib": 96,
@@ -38,9 +42,10 @@ LIMIT = struct.Struct("<i")  # of CPU time in seconds
 PLAY = struct.Struct(
     "<i?"
 )  # limit of CPU time in seconds, and whether the child of the next play is forked now
-REAPED = struct.Struct(
-    "<iid"
-)  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
+REAPED = struct.Struct("<iid?")
+"""Wait status, that of the child with the reference functions or 0, CPU time of both in seconds, and whether
+the child ended because its scratch folder was full.
+"""
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
     "ecp.animation_recording",
@@ -78,9 +83,13 @@ def main(
     readable: list[str],
     listable: list[str],
     folders: list[str],
+    scratch: list[str],
 ) -> None:
     """Import the libraries and obey the control socket. With LATER as ``when``, leave out those in MODULES
     until one is needed.
+
+    The scratch folders of children are made in the first folder of ``scratch``, and those of each copy in
+    another one if there are enough.
     """
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
@@ -99,25 +108,31 @@ def main(
     prepared = Layers(
         layers, readable, listable, folders
     )  # before dropping privileges: only root may be able to open the paths
+    rooms = [os.path.abspath(room) for room in scratch]
+    if user is not None:
+        for room in rooms:
+            with contextlib.suppress(PermissionError):  # in namespaces all may write to it
+                os.chown(room, user, user)
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
     gc.collect()
     gc.freeze()
     gc.enable()
     control.send(READY + json.dumps(identity()).encode())
-    _obey(control, prepared)
+    _obey(control, prepared, rooms)
 
 
-def _obey(control: socket.socket, prepared: Any) -> None:
+def _obey(control: socket.socket, prepared: Any, rooms: Sequence[str]) -> None:
     """Do what the control socket asks for, until the host closes it."""
     from .lockdown import identity
 
+    room, copies = rooms[0], 0
     code: Sequence[str] = ()
-    spare: _Spare | None = _Spare(prepared)
+    spare: _Spare | None = _Spare(prepared, room)
     while True:
         play, fds, _, _ = socket.recv_fds(control, 256, 4)
         if play == FORK:
-            spare = spare or _Spare(prepared, code)
+            spare = spare or _Spare(prepared, room, code)
             continue
         if play.startswith((IMPORT, KEEP, LOAD)):
             code = _obey_between_plays(play, fds, code)
@@ -129,6 +144,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
         if not fds:
             return
         if len(fds) == 1:
+            copies += 1
             if middle := os.fork():
                 os.waitpid(middle, 0)
                 os.close(fds[0])
@@ -136,7 +152,8 @@ def _obey(control: socket.socket, prepared: Any) -> None:
                 os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
-                spare = _Spare(prepared, code)  # the other one is not a child of the copy
+                room = rooms[copies % len(rooms)]
+                spare = _Spare(prepared, room, code)  # the other one is not a child of the copy
                 control.send(READY + json.dumps(identity()).encode())
             continue
         cpu_s, at_once = PLAY.unpack(play)
@@ -145,15 +162,16 @@ def _obey(control: socket.socket, prepared: Any) -> None:
         if len(fds) > len(theirs):
             calls = [end.detach() for end in socket.socketpair()]
             children.append(_fork(prepared, fds[3], calls[0], cpu_s))
-        waiting = spare or _Spare(prepared)
-        children.insert(0, waiting.start(cpu_s, [*theirs, *calls[1:]]))
-        code = spare.code if spare else code  # none if the spare could not load it
+        started = (spare or _Spare(prepared, room)).start(cpu_s, [*theirs, *calls[1:]])
+        children.insert(0, started.pid)
+        code = started.code if spare else code  # none if the spare could not load it
         for fd in (*fds, *calls):
             os.close(fd)
         handles = [os.pidfd_open(child) for child in children]
         socket.send_fds(control, [b"child"], handles)
-        spare = _Spare(prepared, code) if at_once else None
-        control.send(_reap(children, handles))
+        spare = _Spare(prepared, room, code) if at_once else None
+        control.send(_reap(children, handles, started.scratch))
+        started.scratch.remove()
 
 
 def _obey_between_plays(message: bytes, fds: Sequence[int], code: Sequence[str]) -> Sequence[str]:
@@ -188,9 +206,12 @@ def _import(library: str) -> None:
         sys.modules["guest.shell"].warm_up()
 
 
-def _reap(children: list[int], handles: list[int]) -> bytes:
-    """Wait until all children have exited: the others soon after the first. Close their handles."""
+def _reap(children: list[int], handles: list[int], scratch: Scratch) -> bytes:
+    """Wait until all children have exited: the others soon after the first, whose folder is ``scratch``.
+    Close their handles.
+    """
     statuses, cpu_s = list[int](), 0.0
+    full = _watch(children[0], handles[0], scratch)
     for child, handle in zip(children, handles, strict=True):
         if statuses and not select.select([handle], [], [], END_S)[0]:
             os.kill(child, signal.SIGKILL)
@@ -198,31 +219,49 @@ def _reap(children: list[int], handles: list[int]) -> bytes:
         os.close(handle)
         statuses.append(status)
         cpu_s += used.ru_utime + used.ru_stime
-    return REAPED.pack(*[*statuses, 0][:2], cpu_s)
+    full = full or os.waitstatus_to_exitcode(statuses[0]) == FULL
+    return REAPED.pack(*[*statuses, 0][:2], cpu_s, full)
+
+
+def _watch(child: int, handle: int, scratch: Scratch) -> bool:
+    """Wait until a child exits, and kill it if its scratch folder is full. Return whether it was.
+
+    Raises OSError if the disk is nearly full, which may not be the child's fault.
+    """
+    while not select.select([handle], [], [], WATCH_S)[0]:
+        if scratch.is_full():
+            os.kill(child, signal.SIGKILL)
+            return True
+        if scratch.fills_the_disk():
+            raise OSError("the disk with the scratch folders is nearly full")
+    return False
 
 
 class _Spare:
-    """A child forked in advance. It loads the setup and the plays kept by the names ``code``, if any, waits
-    for its limit of CPU time and its descriptors, and has no other files open.
+    """A child with the process id ``pid``, forked in advance. It loads the setup and the plays kept by the
+    names ``code``, if any, waits for its limit of CPU time and its descriptors, and has no other files open.
+    Its scratch folder is in ``room``.
     """
 
-    def __init__(self, layers: Any, code: Sequence[str] = ()) -> None:
-        self.code, self._layers, zygote = code, layers, os.getpid()
+    def __init__(self, layers: Any, room: str, code: Sequence[str] = ()) -> None:
+        self.code, self.scratch = code, Scratch(room)
+        self._layers, self._room, zygote = layers, room, os.getpid()
         self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._pid = os.fork()
-        if self._pid == 0:
+        self.pid = os.fork()
+        if self.pid == 0:
             try:
-                _wait(layers, theirs.detach(), zygote, code)
+                _wait(layers, theirs.detach(), zygote, code, self.scratch)
             except BaseException:
                 traceback.print_exc()
             finally:
                 os._exit(LOCKDOWN_FAILED)
         theirs.close()
 
-    def start(self, cpu_s: int, fds: list[int]) -> int:
+    def start(self, cpu_s: int, fds: list[int]) -> "_Spare":
         """Let the child begin with descriptors of its job, result and output, and one for calls if there is a
-        fourth. Return its process id.
+        fourth, and with the data files in this process's folder. Return it, or another one if it has failed.
         """
+        self.scratch.begin(os.curdir)
         try:
             socket.send_fds(self._socket, [LIMIT.pack(cpu_s)], fds)
             began = bool(self._socket.recv(1))
@@ -232,23 +271,25 @@ class _Spare:
         # reports
         if not began:
             self.end()
-            self.code = ()
-            return _Spare(self._layers).start(cpu_s, fds)
+            return _Spare(self._layers, self._room).start(cpu_s, fds)
         self._socket.close()
-        return self._pid
+        return self
 
     def end(self) -> None:
         """End the child without a play."""
         self._socket.close()
-        os.kill(self._pid, signal.SIGKILL)  # it may be loading
-        os.waitpid(self._pid, 0)
+        os.kill(self.pid, signal.SIGKILL)  # it may be loading
+        os.waitpid(self.pid, 0)
+        self.scratch.remove()
 
 
-def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
+def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str], scratch: Scratch) -> None:
     """Load ``code`` in a new child of the ``zygote``, wait for a play, and run it."""
     from .lockdown import die_with_parent
 
     die_with_parent(zygote)
+    scratch.enter()
+    layers.own_folder(scratch.path)
     layers.close_all_but({0: 0, 1: 1, 2: 2, 3: fd})
     run_scenes = importlib.import_module("guest.run_scenes")
     run_scenes.rehearse()
@@ -265,6 +306,7 @@ def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str]) -> None:
         limit, fds, _, _ = socket.recv_fds(ours, LIMIT.size, 4)
         if not fds:
             os._exit(0)
+        scratch.allow_what_is_there()
         ours.send(b"!")
         ours.detach()
     job, result, output, *calls = fds
@@ -286,6 +328,7 @@ def _fork(layers: Any, job: int, calls: int, cpu_s: int) -> int:
     """Start a child that holds reference functions, and return its process id."""
     if child := os.fork():
         return child
+    layers.own_folder(None)
     _run("reference", layers, {1: None, 2: None, 3: job, 4: calls}, cpu_s)
     raise AssertionError
 

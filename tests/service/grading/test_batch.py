@@ -3,7 +3,6 @@ for.
 """
 
 import json
-import tempfile
 from dataclasses import replace
 
 import pytest
@@ -71,7 +70,7 @@ def test_two_processes_grade_as_one_does_and_leave_no_folder(rigid_body, tmp_pat
     """Copies of one guest share a folder of data files, so each process has a guest of its own if there are
     some.
     """
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr("service.sandbox.guest_process._temporary_folder", lambda: tmp_path)
     samples = [
         rigid_body.folder / "samples" / name
         for name in ("right_terms.py", "wrong_zeros.py", "right_terms.py")
@@ -83,4 +82,4 @@ def test_two_processes_grade_as_one_does_and_leave_no_folder(rigid_body, tmp_pat
     alone, together = (list(grade_files(requests, wanted, choose(), jobs)) for jobs in (1, 2))
     assert [file.report.text() for file in together] == [file.report.text() for file in alone]
     assert [file.passed for file in together] == [True, False, True]
-    assert data or not list(tmp_path.glob("polhode-data-*"))
+    assert data or not list(tmp_path.glob("polhode-guest-*"))

@@ -233,12 +233,12 @@ def test_secret_environment_does_not_cross(monkeypatch):
         guarded.close()
 
 
-def test_nothing_can_be_written(sandbox):
+def test_nothing_can_be_written_outside_of_the_working_folder(sandbox):
     body = """
 import os, sys, numpy
 told = []
-own = ["/polhode", "/polhode/code", "/polhode/code/ecp", "/polhode/scratch", "/polhode/scratch/mpl"]
-for folder in [*own, "/", "/tmp", "/dev", os.path.dirname(numpy.__file__), "."]:
+own = ["/polhode", "/polhode/code", "/polhode/code/ecp", "/polhode/data", "/polhode/scratch", "..", "/polhode/matplotlib"]
+for folder in [*own, "/", "/tmp", "/dev", os.path.dirname(numpy.__file__), "/polhode/scratch/1"]:
     try:
         open(os.path.join(folder, "left"), "w").write("x"); told.append(folder)
     except OSError:
@@ -252,11 +252,11 @@ print(json.dumps(told))
     assert attempt(sandbox, body) == [[]]
 
 
-def test_its_scratch_folder_can_be_neither_listed_nor_read(sandbox):
+def test_the_folders_around_its_own_can_be_neither_listed_nor_read(sandbox):
     body = """
 import os
 told = []
-for folder in ["/polhode", "/polhode/scratch", "/polhode/scratch/mpl"]:
+for folder in ["/polhode", "/polhode/scratch", "..", "../..", "/polhode/scratch/1", "/polhode/matplotlib"]:
     try:
         told += [folder, *os.listdir(folder)]
     except PermissionError:

@@ -93,7 +93,7 @@ def test_a_guest_ends_if_polhode_grade_fails_before_its_first_use(monkeypatch):
     with pytest.raises(LookupError), _starting(Defaults()):
         raise LookupError
     (guest,) = started
-    assert guest.process.poll() is not None and not os.path.exists(guest.data.name)
+    assert guest.process.poll() is not None and not guest.data.parent.exists()
 
 
 @pytest.mark.slow

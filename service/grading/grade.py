@@ -354,13 +354,7 @@ def _cause_of_cell(cell: str, result: PlayResult) -> str:
     """Return why a published cell did not reach a line."""
     if cell not in result.cells:
         return "the cell did not reach this line, or your code stopped before"
-    failed = next(iter(result.cells.values()))
-    stopped = f"the validation cell stopped with {result.cells[cell].sentence}"
-    return (
-        stopped
-        if failed.scene == cell
-        else f"{stopped}; before it, {failed.scene} stopped with {failed.sentence}"
-    )
+    return f"the validation cell stopped with {result.cells[cell].sentence}"
 
 
 def _diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced: Causes) -> list[Diagnosis]:

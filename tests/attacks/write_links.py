@@ -3,7 +3,7 @@
 # ends: pass
 import os
 
-for folder in ("/tmp", "/polhode/scratch", ".", "/polhode/scratch/mpl"):
+for folder in ("/tmp", "/polhode/scratch", "..", "/polhode/matplotlib"):
     attempt(f"symlink {folder}", lambda: os.symlink("/etc/passwd", folder + "/result.json"))
     attempt(f"link {folder}", lambda: os.link(os.__file__, folder + "/hard"))
     attempt(f"fifo {folder}", lambda: os.mkfifo(folder + "/fifo"))

@@ -15,6 +15,7 @@ import socket
 import subprocess
 import tempfile
 import threading
+import time
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
@@ -34,6 +35,7 @@ from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
 from service.sandbox.isolation import LAYERS, process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
+from service.sandbox.zygote import _with_children
 
 HERE = Path(__file__).parents[1] / "attacks"
 ATTACKS = sorted(HERE.glob("*.py"))
@@ -244,7 +246,7 @@ def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, t
         assert not report.passed, report.text()
     assert all(o.verdict in Verdict and o.line for o in report.outcomes())
     _untouched(listeners)
-    assert not _traces() - before
+    assert not _traces() - before and _scratch_is_empty(sandbox)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -310,7 +312,7 @@ def test_no_layer_is_decoration(level, missing, attack, traps, rigid_body, trace
 
 
 def test_there_are_enough_attacks_and_each_says_what_it_tries():
-    assert len(ATTACKS) >= 163 and {family(file) for file in ATTACKS} >= set(ISOLATION)
+    assert len(ATTACKS) >= 174 and {family(file) for file in ATTACKS} >= set(ISOLATION)
     assert all(re.match(r'"""[A-Z].*\."""\n+# ends: ', f.read_text()) for f in ATTACKS)
 
 
@@ -379,6 +381,32 @@ def _untouched(listeners):
     for listener in listeners:
         with pytest.raises(OSError):
             listener.recv(1) if listener.type == socket.SOCK_DGRAM else listener.accept()
+
+
+def _scratch_is_empty(sandbox):
+    """Whether the guest has only the folder of the child that waits, when it has removed the last one's."""
+    rooms, until = sandbox.start().wait_ready() and _rooms(sandbox), time.monotonic() + 5
+    while time.monotonic() < until:
+        folders = [folder for room in rooms for folder in room.iterdir()]
+        if len(folders) <= 1 and not any(any(folder.iterdir()) for folder in folders):
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def _rooms(sandbox):
+    """The folders of a guest's scratch folders, which root sees in namespaces too."""
+    started = sandbox.start()._started
+    if sandbox.isolation.level == "process":
+        return [started.data.parent / "scratch"]
+    if os.geteuid() != 0:
+        return []
+    inside = next(pid for pid in _with_children(started.process.pid) if _is_python(pid))
+    return [*Path(f"/proc/{inside}/root/polhode/scratch").iterdir()]
+
+
+def _is_python(pid):
+    return os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python")
 
 
 def _resident_mib():

@@ -38,7 +38,7 @@ class Shell(InteractiveShell):
     def __init__(self) -> None:
         self.attempts: Attempts = _all
         super().__init__(ipython_dir="/", user_module=types.ModuleType("__main__"), colors="nocolor")
-        self.db = {}  # what a profile would keep: %cd and %bookmark use it
+        self.db: dict[str, Any] = {}  # what a profile would keep: %cd and %bookmark use it
         assert self.display_formatter is not None
         self.display_formatter.active_types = ["text/plain"]
         self._loop = event_loop.install()

@@ -124,9 +124,9 @@ def test_a_function_whose_proof_does_not_finish_has_no_hidden_motions(rigid_body
     assert [end.ended for end in report.scene_ends] == [Ended.RAISED, Ended.NOT_PLAYED, Ended.NOT_PLAYED]
 
 
-def test_a_child_that_exits_while_it_loads_ends_the_hidden_motions_too(rigid_body, sandbox):
+def test_a_statement_that_ends_each_child_is_left_out_of_the_hidden_motions_too(rigid_body, sandbox):
     report = grade(Submission("import os\n" + RIGHT + "os._exit(0)\n"), rigid_body, sandbox, 5, ["2"]).report
-    assert [end.ended for end in report.scene_ends] == [Ended.EXITED] * 3
+    assert [end.ended for end in report.scene_ends] == [Ended.EXITED, *[Ended.FINISHED] * 3] and report.passed
 
 
 def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
@@ -155,8 +155,9 @@ def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and
 def test_a_motion_is_not_believed_if_its_function_was_not_asked_again(rigid_body, sandbox):
     """The second child, which has one scene only, ends before it answers."""
     alone = "isinstance(x, dict) and len(x.get('scenes', '..')) == 1"
-    leaves = f"import gc, os\nif any({alone} for x in gc.get_objects()):\n    os._exit(0)\n"
-    report = grade(Submission(leaves + RIGHT), rigid_body, sandbox, 5, ["2"]).report
+    leaves = f"import gc, os\nis_alone = any({alone} for x in gc.get_objects())\n{RIGHT}right = euler_eqs\n"
+    leaves += "def euler_eqs(t, w, I):\n    return os._exit(0) if is_alone else right(t, w, I)\n"
+    report = grade(Submission(leaves), rigid_body, sandbox, 5, ["2"]).report
     found = {o.id: o for o in report.outcomes()}
     assert found["2-pointwise"].verdict is found["2-motion"].verdict is Verdict.UNMEASURED
     assert "when repeated" in found["2-pointwise"].detail

@@ -18,6 +18,7 @@ from . import unused_libraries
 from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
 from .ending import ending
+from .nothing import NOTHING
 from .pieces import needed_sources, pieces
 from .place import Place
 from .scratch import end_if_full
@@ -168,30 +169,3 @@ class Cells:
         names = {name for scene in scenes for name in (scene["function"], *scene["needs"])}
         sources = [piece for _, source, _ in self._job["cells"] for piece in pieces(source)]
         return needed_sources(sources, names) if len(sources) > 1 else set(sources)
-
-
-class _Nothing(int):
-    """The stub of the kit's functions: true, a number, and its every attribute, call and item is itself."""
-
-    def __getattr__(self, name: str) -> "_Nothing":
-        if name.startswith("__"):
-            raise AttributeError(name)
-        return self
-
-    def __call__(self, *args: Any, **kwargs: Any) -> "_Nothing":
-        return self
-
-    def __getitem__(self, key: Any) -> "_Nothing":
-        return self
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(())
-
-    def __len__(self) -> int:
-        return 1
-
-    def __repr__(self) -> str:
-        return ""
-
-
-NOTHING: Any = _Nothing(1)

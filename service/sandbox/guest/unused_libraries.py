@@ -31,6 +31,8 @@ USUAL = {
     "scipy.spatial.transform": ("Rotation",),
 }
 """Names that notebooks often import, by module."""
+BACKEND_CHOICES = {("matplotlib", "use"), ("matplotlib.pyplot", "switch_backend")}
+"""Functions, by module, that change nothing here: every backend draws with Agg."""
 KINDS = (complex, int, list, set, type)
 OPERATIONS = {
     name for kind in KINDS for name, value in vars(kind).items() if isinstance(value, WrapperDescriptorType)
@@ -72,12 +74,13 @@ _NAMES = {
 
 
 class _Settings:
-    """``rcParams``. Ignores what the assignment's Setup and the kit's style set, which is valid: nothing is
-    drawn.
+    """``rcParams``. Ignores the choice of a backend, and what the assignment's Setup and the kit's style set,
+    which is valid: nothing is drawn.
     """
 
     def __setitem__(self, name: str, value: object) -> None:
-        self._ignore()
+        if name != "backend":
+            self._ignore()
 
     def update(self, *values: object) -> None:
         self._ignore()
@@ -90,6 +93,10 @@ class _Settings:
         _needs("matplotlib")()
 
 
+def _ignore(*args: object, **kwargs: object) -> None:
+    """Do nothing."""
+
+
 class _Module(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name in ("__path__", "__file__", "__cached__"):
@@ -97,7 +104,7 @@ class _Module(ModuleType):
         library = LIBRARIES[self.__name__.partition(".")[0]]
         if name == "rcParams" and library == "matplotlib":
             return _Settings()
-        value = self._value(name, library)
+        value = _ignore if (self.__name__, name) in BACKEND_CHOICES else self._value(name, library)
         setattr(self, name, value)
         return value
 

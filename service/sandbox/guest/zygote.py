@@ -201,7 +201,7 @@ def _import(library: str) -> None:
     for name in MODULES[library]:
         importlib.import_module(name)
     if library == "matplotlib":
-        sys.modules["matplotlib"].use("Agg")
+        importlib.import_module("guest.drawing").install()
     if library == IPYTHON:
         sys.modules["guest.shell"].warm_up()
 

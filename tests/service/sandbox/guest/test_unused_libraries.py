@@ -67,6 +67,11 @@ UNUSED = {
     "numpy alone": (
         "import numpy as np\nf = lambda: float(np.linalg.norm([3.0, 4.0]) + np.fft.fft([1.0])[0].real)"
     ),
+    "choice of a backend": (
+        "matplotlib.use('WXAgg', force=True)\nplt.switch_backend('QtAgg')\n"
+        "plt.rcParams['backend'] = 'nbAgg'\n"
+        "f = lambda: 1.0"
+    ),
     "uses in functions that are not called": (
         "def film():\n    return FuncAnimation(plt.figure(), print), solve_ivp(print, (0, 1), [1])\n"
         "f = lambda: 1.0"

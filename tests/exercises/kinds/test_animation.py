@@ -229,6 +229,19 @@ def test_every_frame_rate_passes(toolbox, frames, values):
     ]
 
 
+@pytest.mark.parametrize(("before", "after"), [(12, 0), (0, 30), (20, 25)])
+def test_the_first_and_the_last_picture_may_be_repeated(toolbox, before, after):
+    truth, order = question(toolbox).exact({}), np.repeat(ALL[::2], [1 + before, *[1] * 23, 1 + after])
+    seen = recorded(truth["a"][order], truth["b"][order])
+    seen["at"][:, 1] = order
+    found = outcomes(question(toolbox).document, seen, truth)
+    assert [o.verdict for o in found.values()] == [Verdict.PASS] * 3, [o.line for o in found.values()]
+    astray = {**seen, "tracks": seen["tracks"].copy()}
+    astray["tracks"][before + 12] = astray["tracks"][before + 2]
+    found = outcomes(question(toolbox).document, astray, truth)
+    assert found["a"].verdict is Verdict.FAIL
+
+
 ORBIT = np.column_stack([np.cos(ALL / 8) - 0.3, 0.9 * np.sin(ALL / 8), 0.4 * np.sin(ALL / 5)])
 VIEW = np.array([[-1, 1, 0], [-1, -1, 2]]) / np.array([[np.sqrt(2)], [np.sqrt(6)]])
 PLANAR = ORBIT * [1, 1, 0]

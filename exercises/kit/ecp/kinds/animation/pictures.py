@@ -82,6 +82,15 @@ def is_consistent(seen: Arrays) -> bool:
     return bool(tracks.shape[:2] == (len(at), len(owners)) and small)
 
 
+def resting(seen: Arrays) -> tuple[int, int]:
+    """Return how many frames after the first repeat its picture, and how many before the last repeat that;
+    0 if nothing moves.
+    """
+    tracks = seen["tracks"]
+    first, last = (np.any(tracks != tracks[k], axis=(1, 2)) for k in (0, -1))
+    return (int(np.argmax(first)) - 1, int(np.argmax(last[::-1])) - 1) if first.any() else (0, 0)
+
+
 def pictures(seen: Arrays) -> list[Picture]:
     """Sort the points of ``seen`` by axes and artist; 2-D and 3-D axes never share a picture.
 

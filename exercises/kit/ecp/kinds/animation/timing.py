@@ -2,7 +2,8 @@
 
 A student may round indices down, repeat or skip samples, or resample to real time. So the time of a frame is
 free by ``SLACK`` samples about a law (an even run from one sample to another, or the frame values read as
-indices or as times), but it never runs back. At these times the comparison with the exact curve is strict.
+indices or as times), but it never runs back. The first and the last picture may rest for a while before and
+after. At these times the comparison with the exact curve is strict.
 
 Times are counted in samples of the motion; a ``basis`` (G, e, m) holds m functions of time for e equations on
 a grid of ``PER`` points a sample, and ``drawn`` (f, e, v) v paths in f frames: drawn ≈ basis · coefficients
@@ -20,9 +21,9 @@ Indices = NDArray[np.int_]
 
 PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: under 1 % of any path here
 SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
-HELD = (
-    0.25  # share of the frames that may hold the end, if the frames before do not advance by one sample each
-)
+# share of the frames that may hold the start, and the end, if the frames between do not advance by one sample
+# each
+HELD = 0.25
 LEAST_FRAMES = 10
 FALLING = 0.25  # share of the frames at which time runs back: more than in a motion that begins again
 FAST = 1.3  # times the speed of an even run
@@ -34,11 +35,12 @@ class Frames:
     """The frames of an animation of n samples at times ``t`` (n,): number and value of each, and their total,
     in ``at`` (f, 3).
 
-    ``turned`` (n,) are the turns of the motion since its start.
+    ``turned`` (n,) are the turns of the motion since its start. ``rests`` are the numbers of frames that only
+    repeat the picture of the first frame, and that of the last.
     """
 
-    def __init__(self, at: Array, t: Array, turned: Array) -> None:
-        self.at, self.t, self.turned, self.n = at, t, turned, len(t)
+    def __init__(self, at: Array, t: Array, turned: Array, rests: tuple[int, int] = (0, 0)) -> None:
+        self.at, self.t, self.turned, self.n, self.rests = at, t, turned, len(t), rests
         self.number, self.value, self.total = at[:, 0], at[:, 1], at[0, 2]
         self.fraction = self.number / max(self.total - 1, 1)
         self.one_each = abs(self.total - self.n) < 0.5  # frame k then shows sample k
@@ -46,8 +48,28 @@ class Frames:
     @cached_property
     def laws(self) -> Array:
         """The sample numbers (k, f) that the frames may show: of all the motion, or a part of at least one
-        full turn.
+        full turn, with rests before and after.
         """
+        first, last = (self._may_rest(*rest) for rest in zip(self.rests, (1, -1), strict=True))
+        if first + last < SLACK:
+            return self._moving_laws()
+        moving = self.at[first : len(self.at) - last].copy()
+        moving[:, 2] = 1 + moving[-1, 0] - moving[0, 0]
+        moving[:, 0] -= moving[0, 0]
+        between = Frames(moving, self.t, self.turned)._moving_laws()
+        return np.concatenate([self._moving_laws(), np.pad(between, ((0, 0), (first, last)), "edge")])
+
+    def _may_rest(self, frames: int, step: int) -> int:
+        """Return the number of ``frames`` at the start (``step`` 1) or the end (−1) that are a rest: any with
+        the same value, a few with others, and none of unknown or other values if there is one for each
+        sample.
+        """
+        value = self.value[::step][: frames + 1]
+        repeated, known = bool(np.all(value == value[0])), value[0] >= 0
+        few = frames <= HELD * (len(self.at) - 1)
+        return frames if (repeated and known) or ((repeated or few) and not self.one_each) else 0
+
+    def _moving_laws(self) -> Array:
         value, turned, last, part = self.value, self.turned, self.n - 1, np.arange(self.n)
         fractions, indices = [self.fraction], [self.number]
         if np.all(value >= 0) and value[-1] > value[0] and np.all(np.diff(value) >= 0):

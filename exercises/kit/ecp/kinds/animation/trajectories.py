@@ -13,7 +13,7 @@ import numpy as np
 from ecp.checks import Arrays
 from ecp.kinds.animation import cameras, timing
 from ecp.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
-from ecp.kinds.animation.pictures import Path, Picture
+from ecp.kinds.animation.pictures import Path, Picture, resting
 from ecp.kinds.animation.shown import Shown, judged, remembered
 from ecp.kinds.animation.timing import Array, Frames
 
@@ -43,7 +43,7 @@ def followed(seen: Arrays, t: Array, trajectories: Curves, limit: float) -> dict
     """
 
     def compared(drawn: list[Picture]) -> dict[str, Shown]:
-        return _compared(drawn, seen["at"], t, trajectories, limit)
+        return _compared(drawn, seen, t, trajectories, limit)
 
     return remembered(
         seen, (t, dict(trajectories), limit), lambda: judged(seen, len(t), trajectories, compared)
@@ -51,12 +51,12 @@ def followed(seen: Arrays, t: Array, trajectories: Curves, limit: float) -> dict
 
 
 def _compared(
-    drawn: list[Picture], at: Array, t: Array, trajectories: Curves, limit: float
+    drawn: list[Picture], seen: Arrays, t: Array, trajectories: Curves, limit: float
 ) -> dict[str, Shown]:
     """Return for each trajectory what the pictures show of it."""
-    at, t, fine, _ = finely(at, t, np.stack(list(trajectories.values()), axis=2))
+    at, t, fine, _ = finely(seen["at"], t, np.stack(list(trajectories.values()), axis=2))
     curves = dict(zip(trajectories, np.moveaxis(fine, 2, 0), strict=True))
-    frames, found = Frames(at, t, np.linspace(0, 1, len(t))), dict[str, Shown]()
+    frames, found = Frames(at, t, np.linspace(0, 1, len(t)), resting(seen)), dict[str, Shown]()
     free = [_with_free_paths(picture) for picture in drawn]
     for picture in free:
         shown = _in_picture(picture, curves, frames, limit)

@@ -17,7 +17,7 @@ from ecp.kinds.animation.body.direction import read, resembling
 from ecp.kinds.animation.body.motion import NAMES, Body, Motion
 from ecp.kinds.animation.body.own_view import View, by_own_camera
 from ecp.kinds.animation.matching import Mistake, instead, matched
-from ecp.kinds.animation.pictures import Picture
+from ecp.kinds.animation.pictures import Picture, resting
 from ecp.kinds.animation.shown import Shown, judged, remembered
 from ecp.kinds.animation.timing import Array
 
@@ -42,7 +42,7 @@ def compared(seen: Arrays, drawn: list[Picture], body: Body) -> Shown:
     """Return what ``drawn``, the pictures of ``seen``, show of the body: as space is, or else by the
     student's own camera.
     """
-    return remembered(seen, body, lambda: _compared(drawn, Motion(body, seen["at"])))
+    return remembered(seen, body, lambda: _compared(drawn, Motion(body, seen["at"], resting(seen))))
 
 
 def _compared(drawn: list[Picture], motion: Motion) -> Shown:

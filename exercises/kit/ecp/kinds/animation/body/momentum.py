@@ -10,7 +10,7 @@ from ecp.kinds.animation.body.comparing import compared
 from ecp.kinds.animation.body.motion import Body, Motion
 from ecp.kinds.animation.cameras import PARALLEL
 from ecp.kinds.animation.matching import Mistake, instead
-from ecp.kinds.animation.pictures import Picture, is_consistent, pictures
+from ecp.kinds.animation.pictures import Picture, is_consistent, pictures, resting
 from ecp.kinds.animation.shown import INCONSISTENT, Shown
 from ecp.kinds.animation.timing import LEAST_FRAMES, Array
 
@@ -41,8 +41,10 @@ def momentum_shown(seen: Arrays, body: Body) -> Shown:
                 reversed_ = reversed_ or cameras.parallel(picture.directions()[1], -(view @ unit))
     if reversed_:
         return Shown(False, "reversed-angular-momentum", "the line or arrow for L points along −L")
-    if enough and (wrong := next(_instead_of_momentum(drawn, Motion(body, seen["at"]), unit), None)):
-        return wrong
+    if enough:
+        motion = Motion(body, seen["at"], resting(seen))
+        if wrong := next(_instead_of_momentum(drawn, motion, unit), None):
+            return wrong
     return Shown(
         None,
         None,

@@ -27,13 +27,14 @@ class Body:
 
 
 class Motion:
-    """The motion of ``body`` on the grid of times, and the frames ``at`` (f, 3) of its animation.
+    """The motion of ``body`` on the grid of times, and the frames ``at`` (f, 3) of its animation with their
+    ``rests``.
 
     Attitudes R (G, 3, 3), and in space the axis ``tip`` (G, 3), the angular velocity w (G, 3) up to its unit,
     and ``unit`` (3,) along L.
     """
 
-    def __init__(self, body: Body, at: Array) -> None:
+    def __init__(self, body: Body, at: Array, rests: tuple[int, int] = (0, 0)) -> None:
         self.axis, self.half = body.axis, body.half
         at, t, self.R, rate = finely(at, body.t, body.R)
         self.tip = self.R[:, :, 2 if body.axis is None else body.axis]
@@ -41,7 +42,7 @@ class Motion:
         self.w = np.einsum("gij,gj->gi", self.R, spin[:, [2, 0, 1], [1, 2, 0]])
         self.unit = None if body.L is None else body.L / np.linalg.norm(body.L)
         self.name = "the body" if body.axis is None else NAMES[body.axis]
-        self.frames = Frames(at, t, self._turns())
+        self.frames = Frames(at, t, self._turns(), rests)
 
     def _turns(self) -> Array:
         """Return the turns since the start (n,): of the axis about L, or of the body."""

@@ -144,6 +144,48 @@ def test_held_at_the_end_and_begun_anew():
         assert body_shown(watched(TIP[order]), TOP).found is True
 
 
+@pytest.mark.parametrize(
+    ("before", "samples", "after"),
+    [
+        (30, ALL, 30),
+        (12, ALL[::2], 0),
+        (0, ALL[::3], 40),
+        (25, ALL[1::2], 24),
+        (2, np.linspace(0, N - 1, 61), 3),
+        (100, ALL, 0),
+    ],
+)
+def test_the_first_and_the_last_picture_may_be_repeated(before, samples, after):
+    order = np.r_[[samples[0]] * before, samples, [samples[-1]] * after]
+    for values in (order, np.interp(order, ALL, T), -np.ones(len(order))):
+        shown = body_shown(frames([interpolated(order)], values=values), TOP)
+        assert shown.found is True, shown
+
+
+def test_an_update_function_may_rest_before_and_after_the_motion():
+    for before, moving, after in ((20, 80, 20), (15, N, 20), (0, 60, 15)):
+        k = np.arange(before + moving + after) - before
+        tips = interpolated(np.clip(k * (N - 1) / (moving - 1), 0, N - 1))
+        assert body_shown(watched(tips), TOP).found is True, (before, moving, after)
+
+
+@pytest.mark.parametrize(
+    ("order", "values"),
+    [
+        (np.r_[ALL[:48], [47] * 30, ALL[48:]], None),  # a pause in the middle
+        (np.minimum(2 * ALL, 95), -np.ones(N)),  # held, with one frame for each sample
+        (np.r_[[0] * 48, ALL[::2]], ALL),  # late, with one frame for each sample
+        (np.r_[[0] * 60, ALL[::2]], np.arange(108)),  # more than a while
+        (np.r_[[0] * 30, ALL[::2], ALL[::2]], np.arange(126)),  # a rest does not excuse what follows
+        (np.r_[[0] * 30, ALL[::-1]], None),
+    ],
+    ids=["middle", "held", "late", "long", "twice as fast, twice", "backwards"],
+)
+def test_other_rests_are_mistimed(order, values):
+    shown = body_shown(frames([TIP[order]], values=order if values is None else values), TOP)
+    assert shown.found is False, shown
+
+
 def test_frame_values_of_uneven_steps():
     order = np.unique(np.rint(95 * np.linspace(0, 1, 60) ** 2).astype(int))
     assert body_shown(watched(TIP[order]), TOP).found is False

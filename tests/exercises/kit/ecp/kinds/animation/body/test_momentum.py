@@ -39,16 +39,18 @@ def test_L_seen_end_on_is_a_point():
 
 
 @pytest.mark.parametrize(
-    ("direction", "sentence"),
+    ("direction", "found", "sentence"),
     [
-        (np.eye(3)[2], "a fixed line points along z"),
-        (R[0].T @ UNIT, "uses the body components of L"),
-        (np.array([0.6, 0.0, 0.8]), "the only fixed line points along (0.60, 0.00, 0.80)"),
+        (np.eye(3)[2], None, "a fixed line points along z"),
+        (R[0].T @ UNIT, False, "uses the body components of L"),
+        (np.array([0.6, 0.0, 0.8]), False, "the only fixed line points along (0.60, 0.00, 0.80)"),
     ],
 )
-def test_a_fixed_line_that_is_not_L(direction, sentence):
+def test_a_fixed_line_that_is_not_L_is_wrong_unless_it_is_an_axis_of_coordinates(direction, found, sentence):
     shown = momentum_shown(frames(line(TIP), line(np.tile(direction, (N, 1)))), TOP)
-    assert shown.found is None and shown.code == "wrong-angular-momentum" and sentence in shown.sentence
+    assert shown.found is found and shown.code == "wrong-angular-momentum" and sentence in shown.sentence
+    beside = frames(line(TIP), line(np.tile(direction, (N, 1))), line(np.tile(UNIT, (N, 1))))
+    assert momentum_shown(beside, TOP).found is True, "another line may be drawn beside L"
     head = [direction * 0.9 + 0.1 * side for side in np.linalg.svd(direction[None])[2][1:]]
     arrow = [np.tile(point, (N, 1)) for point in (0 * direction, direction, *head)]
     assert sentence in momentum_shown(frames(line(TIP), arrow), TOP).sentence
@@ -66,3 +68,8 @@ def test_a_fixed_line_that_is_not_L(direction, sentence):
 def test_drawn_in_the_axes_of_the_body():
     moving, still = np.einsum("fji,j->fi", R, UNIT), [line(np.tile(axis, (N, 1))) for axis in np.eye(3)]
     assert "drawn in body axes" in momentum_shown(frames(line(moving), *still), TOP).sentence
+
+
+def test_a_fixed_line_in_a_plane_may_be_seen_by_a_camera_that_is_not_known():
+    flat = frames(line(TIP[:, :2]), line(np.tile([0.6, 0.8], (N, 1))))
+    assert momentum_shown(flat, TOP).found is None

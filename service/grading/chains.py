@@ -99,7 +99,9 @@ def _adopt(
     for name in names:
         played.result.arrays.pop(name, None)
         played.result.scene_ends.pop(name, None)
+        played.result.notes.pop(name, None)
     played.result.arrays |= again.result.arrays
+    played.result.notes |= again.result.notes
     played.result.scene_ends |= again.result.scene_ends
     played.truths.update(again.truths)
     crossed.unsteady = crossed.unsteady - names | crossed_again.unsteady

@@ -12,6 +12,7 @@ from ecp.checks import Arrays, Check
 from ecp.claims import Claim, NotebookCheck
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
+from ecp.notes import Absent, unsaid
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
@@ -293,7 +294,7 @@ def _judge(
     *,
     remarks: Mapping[str, list[str]],
 ) -> ExerciseReport:
-    outcomes, result = [], played.result
+    outcomes, result, said = [], played.result, set[str]()
     for check in exercise.applicable_checks(result.written, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
@@ -301,10 +302,14 @@ def _judge(
             if outcome.verdict is Verdict.PASS:
                 outcome = check.failed("the same questions in another order got different answers")
             outcome.diagnosis, outcome.partial = [_unsteady(unsteady)], None
+        elif absent := _absent(check, scenes, result):
+            outcome.diagnosis = [Diagnosis(absent.code, absent.sentence, 1.0)] if absent.code else []
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _diagnose_failure(scenes, result, causes)
         outcome.hidden = assignment.hidden(check)
         outcome.remarks = [remark for name in check.scenes[:1] for remark in remarks.get(name, [])]
+        noted = [result.noted(name) for s in scenes for name in (s.name, s.after)]
+        outcome.remarks += unsaid(noted, said)
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
 
@@ -331,7 +336,15 @@ def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapp
     for scene in scenes:
         if not result.finished(scene.name):
             return check.unmeasured(_cause(scene, result))
+    if absent := _absent(check, scenes, result):
+        return check.unmeasured(absent.sentence)
     return check.judge([result.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
+
+
+def _absent(check: Check, scenes: list[Scene], result: PlayResult) -> Absent | None:
+    """Return why an array that the check reads is absent, None if none is."""
+    found = (result.noted(s.name).unread(check.arrays) for s in scenes if result.finished(s.name))
+    return next(filter(None, found), None)
 
 
 def _cause(scene: Scene, result: PlayResult) -> str:

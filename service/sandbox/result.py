@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ecp.claims import Claim, NotebookCheck
+from ecp.notes import Notes
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest.place import Place
 
@@ -52,12 +53,12 @@ class PlayResult:
 
     ``loaded`` is True once a child has run all cells. ``defined`` are the requested functions that the
     submission defines, ``missing`` those that it does not because a statement failed. ``left_out`` are the
-    statements that ended a child, with how they did. ``arrays`` the results by scene and
-    name, ``scene_ends`` those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes
-    that the host drove. ``author_errors`` are exceptions, by scene, that the guest attributes to the
-    assignment's code; a submission can forge them. ``claims`` are the notebook's own checks;
-    ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells, by cell
-    and place. ``cpu_s`` is the CPU time that was used.
+    statements that ended a child, with how they did. ``arrays`` are the results by scene and name, ``notes``
+    what a scene says besides its arrays, ``scene_ends`` those of scenes, ``cells`` those of failed cells,
+    ``driven`` the results of scenes that the host drove. ``author_errors`` are exceptions, by scene, that the
+    guest attributes to the assignment's code; a submission can forge them. ``claims`` are the notebook's own
+    checks; ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells,
+    by cell and place. ``cpu_s`` is the CPU time that was used.
     """
 
     loaded: bool = False
@@ -65,6 +66,7 @@ class PlayResult:
     missing: set[str] = field(default_factory=set)
     left_out: dict[Place, SceneEnd] = field(default_factory=dict)
     arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
+    notes: dict[str, Notes] = field(default_factory=dict)
     scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     cells: dict[str, SceneEnd] = field(default_factory=dict)
     driven: dict[str, Any] = field(default_factory=dict)
@@ -77,7 +79,9 @@ class PlayResult:
 
     def add(self, other: "PlayResult") -> None:
         """Add the result of another child that ran the same submission."""
-        for name in ("defined", "missing", "left_out", "arrays", "scene_ends", "driven", "author_errors"):
+        for name in ("defined", "missing", "left_out", "arrays", "notes"):
+            getattr(self, name).update(getattr(other, name))
+        for name in ("scene_ends", "driven", "author_errors"):
             getattr(self, name).update(getattr(other, name))
         self.cells = {**other.cells, **self.cells}  # the first failure of a cell is the cause of others
         if not self.loaded:  # each child runs the cells again; one that did not end them counts for nothing
@@ -92,6 +96,10 @@ class PlayResult:
     def written(self) -> set[str]:
         """The functions that the submission attempts: those it defines, or would without a failure."""
         return self.defined | self.missing
+
+    def noted(self, scene: str | None) -> Notes:
+        """Return the notes of ``scene``, empty if there are none."""
+        return self.notes.get(scene or "", Notes())
 
     def finished(self, scene: str) -> bool:
         """Return whether ``scene`` was played to its end."""

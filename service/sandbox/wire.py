@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ecp.notes import MOST_REMARKS, Absent, Notes
 from ecp.outcome import Ended, SceneEnd
 from exercises.assignment import ArraySpec
 from service.sandbox import claims
@@ -140,7 +141,9 @@ class Reader:
         elif not self._scenes[name].drive and name not in self.result.arrays:
             raise ProtocolError("a scene ended without its arrays")
         if scene_end.ended is Ended.RAISED and isinstance(author := event.get("author"), str):
-            self.result.author_errors[name] = " ".join(text(author, 600).split())
+            self.result.author_errors[name] = _line(author)
+        if scene_end.ended is Ended.FINISHED:
+            self.result.notes[name] = _notes(event, self._scenes[name].returns)
         self.result.scene_ends[name], self.started = scene_end, None
 
     def _next(self, event: Mapping[str, Any]) -> str:
@@ -229,17 +232,43 @@ def _count(value: Any) -> int:
     return value
 
 
+def _notes(event: Mapping[str, Any], returns: Mapping[str, ArraySpec]) -> Notes:
+    """Return what the end of a scene says about its arrays."""
+    remarks, absent = event.get("remarks", []), event.get("absent", {})
+    if not isinstance(remarks, list) or len(remarks) > MOST_REMARKS:
+        raise ProtocolError("not remarks")
+    if not isinstance(absent, dict) or not absent.keys() <= returns.keys():
+        raise ProtocolError("other arrays are absent than were asked for")
+    return Notes([_line(one) for one in remarks], {name: _absent(why) for name, why in absent.items()})
+
+
+def _absent(why: Any) -> Absent:
+    match why:
+        case [str(sentence), code]:
+            return Absent(_line(sentence), _code(code))
+    raise ProtocolError("not a reason")
+
+
+def _code(code: Any) -> str | None:
+    return code if isinstance(code, str) and code in GUEST_CODES else None
+
+
+def _line(value: Any) -> str:
+    """Return a sentence of the guest on one line."""
+    return " ".join(text(value, 600).split())
+
+
 def _scene_end(name: str, event: Mapping[str, Any]) -> SceneEnd:
     try:
         scene_end = Ended(str(event.get("ended")))
     except ValueError:
         raise ProtocolError("unknown scene end") from None
-    trace, code = event.get("traceback"), event.get("code")
+    trace = event.get("traceback")
     return SceneEnd(
         scene=name,
         ended=scene_end,
-        sentence=" ".join(text(event.get("sentence", ""), 600).split()),
-        code=code if isinstance(code, str) and code in GUEST_CODES else None,
+        sentence=_line(event.get("sentence", "")),
+        code=_code(event.get("code")),
         traceback=text(trace) if trace else None,
     )
 

@@ -20,6 +20,7 @@ from ecp.checks import Arrays, Check
 from ecp.course import PublicAssignment, PublicScene, UnknownCourse
 from ecp.exercise import Exercise, attempted, points
 from ecp.judge import Verdict
+from ecp.notes import Absent, Notes, noting, unsaid
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from ecp.return_value import describe_exception, is_written, missing
@@ -46,10 +47,11 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     try:
         with _close_new_figures(), animate.watched():
             played = _play(_needed(chosen, checks, known), known, names)
-        sections = [
-            ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]])
-            for e in chosen
-        ]
+        sections = []
+        for e in chosen:
+            said = set[str]()
+            outcomes = [_outcome(c, known, played, said) for c in checks[e.number]]
+            sections.append(ExerciseReport(e.number, e.title, outcomes))
     except AuthorError as error:
         raise AuthorError(
             f"The assignment {known.slug} has an error, not your code: {error}. Report it to the course"
@@ -81,9 +83,12 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
 
 @dataclass
 class SceneRun:
-    """What the scenes returned, how they ended, and remarks on those slower than the server allows."""
+    """What the scenes returned, their notes, how they ended, and remarks on those slower than the server
+    allows.
+    """
 
     arrays: dict[str, dict[str, Any]] = field(default_factory=dict)
+    notes: dict[str, Notes] = field(default_factory=dict)
     scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     slow: list[str] = field(default_factory=list)
 
@@ -113,11 +118,16 @@ def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str
         before = played.scene_ends.get(scene.after or "")
         if before is not None and before.ended is not Ended.FINISHED:
             played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.NOT_PLAYED, before.sentence)
-        elif found := list(
-            filter(None, (missing(names, name, name in variables) for name in (scene.function, *scene.needs)))
-        ):
-            sentence = found[0]
-            played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.MISSING, sentence, "missing-function")
+            continue
+        absent = {
+            name: Absent(sentence, "missing-function")
+            for name in (scene.function, *scene.needs)
+            if (sentence := missing(names, name, name in variables))
+        }
+        some = len(absent) <= len(scene.needs) and (scene.question or {}).get("variables")
+        if absent and not some:
+            sentence, code = next(iter(absent.values()))
+            played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.MISSING, sentence, code)
         else:
             _play_one(scene, known, names, played)
     return played
@@ -128,7 +138,7 @@ def _play_one(
 ) -> None:
     began = time.monotonic()
     try:
-        with np.errstate(all="ignore"), limited(scene.budget_s):
+        with np.errstate(all="ignore"), limited(scene.budget_s), noting() as notes:
             seen = _call(scene, known, names)
     except KeyboardInterrupt:
         raise
@@ -155,6 +165,7 @@ def _play_one(
     played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {
         k: scene.truth[k] for k in scene.known
     }
+    played.notes[scene.name] = notes
     played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.FINISHED, "finished")
 
 
@@ -189,20 +200,27 @@ def _close_new_figures() -> Iterator[None]:
                 pyplot.close(number)
 
 
-def _outcome(check: Check, known: PublicAssignment, played: SceneRun) -> Outcome:
+def _outcome(check: Check, known: PublicAssignment, played: SceneRun, said: set[str]) -> Outcome:
+    notes = [played.notes[name] for name in check.scenes if name in played.notes]
+    absent = next(filter(None, (one.unread(check.arrays) for one in notes)), None)
     if missing := next((name for name in check.scenes if name not in played.arrays), None):
         outcome = check.unmeasured(played.scene_ends[missing].sentence)
+    elif absent:
+        outcome = check.unmeasured(absent.sentence)
     else:
         truths = [known.scenes[name].truth for name in check.scenes]
         outcome = check.judge([played.arrays[name] for name in check.scenes], truths)
     if outcome.verdict is not Verdict.PASS:
         outcome.diagnosis = _likely(check, known, played)
-        absent = played.scene_ends[check.scenes[0]].ended is Ended.MISSING
-        uses = () if absent else (known.scenes[check.scenes[0]].question or {}).get("uses", ())
+        if absent:
+            outcome.diagnosis = [Diagnosis(absent.code, absent.sentence, 1.0)] if absent.code else []
+        is_missing = played.scene_ends[check.scenes[0]].ended is Ended.MISSING
+        uses = () if is_missing else (known.scenes[check.scenes[0]].question or {}).get("uses", ())
         outcome.remarks = [
             f"checked with your own {name}: where that is wrong or missing, the server uses the reference"
             for name in uses
         ]
+    outcome.remarks += unsaid(notes, said)
     return outcome
 
 

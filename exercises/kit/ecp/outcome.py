@@ -71,9 +71,10 @@ class Outcome:
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
-    ``remarks`` say what it rests on besides the student's code, such as a reference function. ``points`` is
-    what the check is worth; ``partial`` is given for a ✗ with partial credit. ``self_reported``: the
-    student's own code computed what is compared and what it is compared with.
+    ``remarks`` say what it rests on besides the student's code, such as a reference function, and what was
+    accepted but should be otherwise. ``points`` is what the check is worth; ``partial`` is given for a ✗ with
+    partial credit. ``self_reported``: the student's own code computed what is compared and what it is
+    compared with.
     """
 
     id: str

@@ -13,6 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ecp.notes import remark
+
+ONE_NUMBER = "an array of shape {shape}, which is accepted for a number: use x.item()"
+OVERWRITES = (
+    "{name} returns the same array at each call and overwrites it, which changes the numbers of whoever keeps"
+    " it, such as SciPy's DOP853: return a new array"
+)
+
 
 class WrongAnswer(Exception):
     """The function returned something other than what was asked for. ``code`` is the diagnosis code, if one
@@ -22,6 +30,20 @@ class WrongAnswer(Exception):
     def __init__(self, code: str | None, sentence: str) -> None:
         super().__init__(sentence)
         self.code = code
+
+
+class Kept:
+    """The last answer of the function ``name``, which remarks that the next call has overwritten it."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._answer, self._copy = name, np.zeros(0), np.zeros(0)
+
+    def replace(self, answer: Any) -> None:
+        """Keep the answer of the next call."""
+        if self._answer.tobytes() != self._copy.tobytes():
+            remark(OVERWRITES.format(name=self._name))
+        self._answer = answer if type(answer) is np.ndarray and answer.dtype.kind in "fiuc" else np.zeros(0)
+        self._copy = self._answer.copy()
 
 
 def check_signature(function: Any, names: tuple[str, ...], called: str) -> None:
@@ -98,7 +120,8 @@ def real_array(
     """Return ``value`` as float64 of exactly ``shape``. Lists and tuples of numbers are converted; nothing is
     broadcast.
 
-    Complex numbers must have the imaginary part 0.
+    Complex numbers must have the imaginary part 0. An array of one number is accepted for a number, with a
+    remark.
 
     Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape. Its sentence says
     that the function ``name`` returned it, or unless ``is_returned`` that ``name`` is it.
@@ -120,15 +143,32 @@ def real_array(
         array = array.real
     if array.dtype.kind not in "fiu":
         had = f"dtype {array.dtype}" if isinstance(value, np.ndarray) else article(type(value).__name__)
+        had = _numbers_of_other_types(array) or had
         raise WrongAnswer(
             "wrong-shape", wrong_value(name, is_returned, "real numbers" if shape else "a real number", had)
         )
+    if not shape and array.size == 1 and array.ndim:
+        remark(f"{name} {'returned' if is_returned else 'is'} {ONE_NUMBER.format(shape=array.shape)}")
+        array = array.reshape(())
     if array.shape != shape:
         had = f"shape {array.shape}" if is_returned else f"an array of shape {array.shape}"
         raise WrongAnswer(
             "wrong-shape", wrong_value(name, is_returned, wanted, had if array.ndim else "a number")
         )
     return np.array(array, dtype=np.float64)
+
+
+def _numbers_of_other_types(array: NDArray[Any]) -> str:
+    """Return what objects that float(x) converts are, and how to convert them, or "" if some are others."""
+    names = sorted({type(x).__name__ for x in array.flat if not isinstance(x, int | float | np.number)})
+    try:
+        if array.dtype.kind != "O" or not all(hasattr(x, "__float__") for x in array.flat):
+            return ""
+        array.astype(float)
+    except Exception:  # a symbol of sympy has no value, for example
+        return ""
+    convert = "convert it with float(x)" if array.ndim == 0 else "convert each with float(x)"
+    return f"{article(names[0]) if array.ndim == 0 else ' and '.join(f'{n}s' for n in names)}: {convert}"
 
 
 def wrong_value(name: str, is_returned: bool, wanted: str, had: str) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from ecp import animate
 from ecp.author_errors import AuthorError, author_error, checked_arrays
 from ecp.data_files import MODULES, use_modules
+from ecp.notes import Absent, noting
 from ecp.return_value import is_written, missing
 
 from . import unused_libraries
@@ -127,12 +128,20 @@ def _run(
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
             continue
-        if absent := _missing(scene, student, job["variables"], cells.statements.causes):
-            sentence, code = absent
+        absent = _missing(scene, student, job["variables"], cells.statements.causes)
+        if absent and not _answers_without(scene, absent):
+            sentence, code = next(iter(absent.values()))
             write.event("start", scene=scene["name"])
             write.event("scene", scene=scene["name"], ended="missing-function", code=code, sentence=sentence)
         elif _play(
-            scene, plays, student, questions, write, unchanged=unchanged, cause=cells.statements.cause
+            scene,
+            plays,
+            student,
+            questions,
+            write,
+            unchanged=unchanged,
+            cause=cells.statements.cause,
+            absent=absent,
         ):
             finished.add(scene["name"])
         if reference is not None and reference.channel.lost:
@@ -142,14 +151,21 @@ def _run(
 
 def _missing(
     scene: dict[str, Any], student: Names, variables: list[str], causes: Mapping[str, Cause]
-) -> tuple[str, str | None] | None:
-    """Return a sentence and a diagnosis code for a missing name that the scene needs, else None."""
+) -> dict[str, Absent]:
+    """Return the missing names that the scene needs, with a sentence and a diagnosis code."""
+    found = dict[str, Absent]()
     for name in (scene["function"], *scene["needs"]) if scene["source"] is None else ():
         if sentence := missing(student, name, name in variables):
             if (cause := causes.get(name)) is None:
-                return sentence, "missing-function"
-            return f"{sentence} because {cause.sentence}", cause.code
-    return None
+                found[name] = Absent(sentence, "missing-function")
+            else:
+                found[name] = Absent(f"{sentence} because {cause.sentence}", cause.code)
+    return found
+
+
+def _answers_without(scene: dict[str, Any], absent: Mapping[str, Absent]) -> bool:
+    """Return whether a scene is about variables, of which some are not absent."""
+    return bool((scene["question"] or {}).get("variables")) and len(absent) <= len(scene["needs"])
 
 
 def _play(
@@ -161,6 +177,7 @@ def _play(
     *,
     unchanged: Callable[[], None],
     cause: Callable[[BaseException], Cause | None],
+    absent: Mapping[str, Absent],
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
@@ -180,8 +197,12 @@ def _play(
             write.arrays(checked_arrays(play, arrays, scene["returns"]))
 
     budget = Budget(scene["budget_s"])
-    error = limited(answer, budget)
+    with noting() as notes:
+        notes.absent |= absent
+        error = limited(answer, budget)
     ended = ending(error, budget, None if error is None else cause(error))
+    if error is None:
+        ended |= {"remarks": notes.remarks, "absent": notes.absent}
     write.event("scene", scene=name, **ended)
     return ended["ended"] == "finished"
 

@@ -67,13 +67,60 @@ def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, san
             "def normal_modes(M, K):\n    M[0, 0] = 0\n    return M[0], M",
             "normal_modes changes its argument M",
         ),
-        ("def normal_modes(M, K): return np.ones((3, 1)), M", "normal_modes (omega) must return shape (3,)"),
+        ("def normal_modes(M, K): return np.ones((3, 1)), 1", "normal_modes (omega) must return shape (3,)"),
     ],
 )
 def test_a_wrong_answer_is_unmeasured_with_its_reason(toolbox, sandbox, source, sentence):
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
     assert {outcome.verdict for outcome in report.outcomes()} == {Verdict.UNMEASURED}
     assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()
+
+
+def modes(returned):
+    return f"""
+from fractions import Fraction
+
+import numpy as np
+import scipy.linalg
+
+def normal_modes(M, K):
+    squares, X = scipy.linalg.eigh(K, M)
+    omega = np.sqrt(squares)
+    return {returned}
+"""
+
+
+@pytest.mark.parametrize(
+    ("returned", "absent", "sentence"),
+    [
+        ("omega[:2], X", "omega", "normal_modes (omega) must return shape (3,); it returned shape (2,)"),
+        ("omega, None", "X", "normal_modes (X) returned None: is a return statement missing?"),
+        (
+            "[Fraction(w) for w in omega], X",
+            "omega",
+            "it returned Fractions: convert each with float(x)",
+        ),
+        ("omega, X.astype(str)", "X", "normal_modes (X) must return real numbers"),
+    ],
+)
+def test_a_part_of_the_wrong_kind_does_not_hide_the_others(toolbox, sandbox, returned, absent, sentence):
+    report = grade(Submission(modes(returned)), toolbox.assignment, sandbox, 1).report
+    assert len(report.outcomes()) == 4
+    for outcome in report.outcomes():
+        if outcome.id.endswith(absent):
+            assert outcome.verdict is Verdict.UNMEASURED and sentence in outcome.line, outcome.line
+            assert [d.code for d in outcome.diagnosis] in (["wrong-shape"], ["returns-nothing"])
+        else:
+            assert outcome.verdict is Verdict.PASS, outcome.line
+
+
+@pytest.mark.slow
+def test_a_part_of_the_wrong_kind_does_not_hide_the_others_in_the_kit(toolbox, tmp_path):
+    lines = json.loads(check_locally("toolbox", modes("omega, 'X'"), tmp_path))
+    marks = {line[0] for line in lines if "normal_modes" in line}
+    assert marks == {"✓", "–"} and any(
+        "normal_modes (X) must return real numbers" in line for line in lines
+    ), lines
 
 
 PARTLY = """

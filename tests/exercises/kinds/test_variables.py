@@ -34,21 +34,42 @@ def test_a_claim_shows_its_numbers(toolbox, sandbox):
 
 
 @pytest.mark.parametrize(
-    ("change", "reason"),
+    ("change", "absent", "reason"),
     [
-        ("rate = None", "rate is not defined"),
-        ("del rate", "rate is not defined"),
-        ("del axes", "axes is not defined"),
-        ("rate = 'fast'", "rate must be a real number; it is a str"),
-        ("rate = axes", "rate must be a number; it is an array of shape (3,)"),
-        ("axes = axes[:2]", "axes must be an array of shape (3,); it is an array of shape (2,)"),
-        ("axes = [[1], [1, 2]]", "axes must be an array of shape (3,); it is a ragged list"),
+        ("rate = None", "11-rate", "rate is not defined"),
+        ("del rate", "11-rate", "rate is not defined"),
+        ("del axes", "11-axes", "axes is not defined"),
+        ("del growth_middle", "11-claim-1", "growth_middle is not defined"),
+        ("rate = 'fast'", "11-rate", "rate must be a real number; it is a str"),
+        ("rate = axes", "11-rate", "rate must be a number; it is an array of shape (3,)"),
+        ("axes = axes[:2]", "11-axes", "axes must be an array of shape (3,); it is an array of shape (2,)"),
+        ("axes = [[1], [1, 2]]", "11-axes", "axes must be an array of shape (3,); it is a ragged list"),
     ],
 )
-def test_another_value_is_unmeasured_with_its_reason(toolbox, sandbox, change, reason):
+def test_another_value_is_unmeasured_with_its_reason_and_alone(toolbox, sandbox, change, absent, reason):
     found = report(toolbox, sandbox, f"{cells(toolbox).source}\n{change}")
-    assert {outcome.verdict for outcome in found.outcomes()} == {Verdict.UNMEASURED}
-    assert all(reason in outcome.line for outcome in found.outcomes()), found.text()
+    for outcome in found.outcomes():
+        if outcome.id == absent:
+            assert outcome.verdict is Verdict.UNMEASURED and reason in outcome.line, found.text()
+            assert outcome.diagnosis[0].code in ("missing-function", "wrong-shape")
+        else:
+            assert outcome.verdict is Verdict.PASS, found.text()
+
+
+def test_a_variable_of_a_failed_statement_is_missing_with_that_cause(toolbox, sandbox):
+    failing = cells(toolbox).source.replace("rate = ", "rate = nothing + ")
+    found = {o.id: o for o in report(toolbox, sandbox, failing).outcomes()}
+    assert (
+        "rate is not defined because submission.py stopped: NameError: name 'nothing'"
+        in found["11-rate"].line
+    )
+
+
+def test_an_array_of_one_number_is_accepted_with_a_remark(toolbox, sandbox):
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\nrate = np.array([[rate]])")
+    assert found.passed, found.text()
+    remarks = [remark for outcome in found.outcomes() for remark in outcome.remarks]
+    assert remarks == ["rate is an array of shape (1, 1), which is accepted for a number: use x.item()"]
 
 
 def test_a_variable_that_is_not_finite_fails_alone(toolbox, sandbox):

@@ -293,11 +293,11 @@ notebook.exercise(
     [
         (
             "return 0.5 * x",
-            "return [0.5 * x]",
+            "return [0.5 * x, x]",
             None,
             (
                 "assignment.py line 18: question 1: ValueError: the truth does not answer as the right"
-                " solution does for the first input: half must return a number; it returned shape (1,)"
+                " solution does for the first input: half must return a number; it returned shape (2,)"
             ),
         ),
         (

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ecp.document import document
+from ecp.notes import MOST_REMARKS
 from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
 from service.sandbox.guest.claims import MOST_CLAIMS
@@ -50,6 +51,10 @@ START, FINISHED = (
 )
 
 
+def ended(**fields):
+    return event(event="scene", scene="s", ended="finished", sentence="", **fields)
+
+
 def read(*frames, at_once=True):
     seen = PlayResult()
     reader = Reader(JOB, seen)
@@ -61,7 +66,7 @@ def read(*frames, at_once=True):
 
 @pytest.mark.parametrize("at_once", [True, False])
 def test_a_whole_play(at_once):
-    defined = event(event="defined", names=["f", "print", 3])
+    defined = event(event="defined", names=["f", "print", 3], missing=[])
     reader, seen = read(defined, START, ARRAYS, FINISHED, event(event="done"), at_once=at_once)
     assert reader.done and seen.defined == {"f"} and seen.finished("s")
     assert seen.arrays["s"]["w"].tolist() == [[0, 1], [2, 3], [4, 5]]
@@ -100,11 +105,28 @@ def test_a_whole_play(at_once):
         [START, struct.pack("<cI", b"A", 1) + b"\x00"],
         [START, headed({"w": [3, 2]}, bytes(48)), FINISHED],
         [event(event="done"), START],
+        [START, ARRAYS, ended(remarks="one")],
+        [START, ARRAYS, ended(remarks=["one"] * (MOST_REMARKS + 1))],
+        [START, ARRAYS, ended(absent={"other": ["why", None]})],
+        [START, ARRAYS, ended(absent={"w": "why"})],
+        [START, ARRAYS, ended(absent={"w": [1, None]})],
+        [START, ARRAYS, ended(absent=["w"])],
     ],
 )
 def test_anything_else_breaks_the_protocol(frames):
     with pytest.raises(ProtocolError):
         read(*frames)
+
+
+def test_notes_are_taken_as_plain_lines_with_known_codes():
+    why = {"w": ["one\n\x1b[31mtwo", "wrong-shape"], "film": ["three", "made-up"]}
+    _, seen = read(START, ARRAYS, ended(remarks=["a\nb", "x" * 9999, 3], absent=why))
+    noted = seen.noted("s")
+    assert noted.remarks[0] == "a b" and len(noted.remarks[1]) <= 600 and noted.remarks[2:] == ["3"]
+    assert noted.absent["film"] == ("three", None) and noted.absent["w"].code == "wrong-shape"
+    assert "\n" not in noted.absent["w"].sentence and "\x1b" not in noted.absent["w"].sentence
+    assert noted.unread(None) == noted.absent["w"] and noted.unread(["film"]) == noted.absent["film"]
+    assert seen.noted("other").unread(None) is None
 
 
 def test_arrays_of_a_scene_that_did_not_finish_are_dropped():
@@ -200,7 +222,7 @@ CLAIM_HEAD = {
     "numbers": {},
 }
 CLAIM = headed(CLAIM_HEAD | {"arrays": {"condition": []}}, struct.pack("<d", 1.0), b"C")
-DEFINED = event(event="defined", names=[], claims_left_out=7)
+DEFINED = event(event="defined", names=[], missing=[], claims_left_out=7)
 
 
 def test_claims_are_taken_while_the_cells_run_up_to_a_number():
@@ -209,7 +231,8 @@ def test_claims_are_taken_while_the_cells_run_up_to_a_number():
         "✓  a   [True]"
     ] * MOST_CLAIMS and seen.claims_left_out == 7
     left_out = [
-        event(event="defined", names=[], claims_left_out=many) for many in (-1, 1.5, True, "7", 1 << 60)
+        event(event="defined", names=[], missing=[], claims_left_out=many)
+        for many in (-1, 1.5, True, "7", 1 << 60)
     ]
     for frames in (
         [DEFINED, CLAIM],

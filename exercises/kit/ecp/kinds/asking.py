@@ -5,6 +5,7 @@ and the values it returns.
 import ast
 import builtins
 import functools
+import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.exercise import Figure
-from ecp.return_value import WrongAnswer, article, check_signature, exchanged, real_array, wrong_value
+from ecp.notes import Absent, absent
+from ecp.return_value import (
+    WrongAnswer,
+    article,
+    check_signature,
+    exchanged,
+    is_written,
+    real_array,
+    wrong_value,
+)
 
 # of a function argument, unless the question allows fewer: then ten times as many as it allows
 MOST_CALLS = 20_000
@@ -24,6 +34,17 @@ NAMES = """
 MATHEMATICS = {name: getattr(np, name) for name in NAMES.split()} | {"np": np}
 KNOWN = {*MATHEMATICS, *dir(builtins)}
 """The names that an author's expressions may use: those of MATHEMATICS, and Python's own, such as sum."""
+
+
+Array = NDArray[np.float64]
+
+
+class NotFinite(WrongAnswer):
+    """The ``numbers`` of a value are not all finite."""
+
+    def __init__(self, sentence: str, numbers: Array) -> None:
+        super().__init__("not-finite", sentence)
+        self.numbers = numbers
 
 
 class Counted:
@@ -84,11 +105,12 @@ def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping
     Raises WrongAnswer if the function cannot be called with them or changes one of them.
     """
     if variables := question.get("variables"):
-        return {name: student[name] for name in variables} if question.get("keys") else student[variables[0]]
+        named = {name: student.get(name) for name in variables}
+        return named if question.get("keys") else named[variables[0]]
     name, parameters = question["function"], tuple(question["parameters"])
     function = student[name]
     if text := question.get("call"):
-        return evaluate(text, {**given, name: function})
+        return evaluate(text, {**given, name: _copying(function)})
     check_signature(function, parameters, name)
     copies = {key: value.copy() if isinstance(value, np.ndarray) else value for key, value in given.items()}
     try:
@@ -109,6 +131,21 @@ def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping
     return answer
 
 
+def _copying(function: Any) -> Any:
+    """Return a function that returns copies of the arrays that ``function`` returns: an author's expression
+    may keep the results of several calls.
+    """
+    if not inspect.isroutine(function):
+        return function
+
+    @functools.wraps(function)
+    def copying(*values: Any, **named: Any) -> Any:
+        answer = function(*values, **named)
+        return answer.copy() if type(answer) is np.ndarray else answer
+
+    return copying
+
+
 def evaluate(text: str, names: Mapping[str, Any]) -> Any:
     """Return the value of an author's expression, which may use ``names`` and MATHEMATICS."""
     return eval(_code(text), {**MATHEMATICS, **names})  # noqa: S307
@@ -125,7 +162,7 @@ def each(
 
 def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
     """Return the values of an answer in the order that the question states. Raises WrongAnswer if it has
-    others.
+    others. A key that is missing beside others has a WrongAnswer as its value.
     """
     names, keys = [value["name"] for value in question["returns"]], question.get("keys")
     if len(names) == 1 and not keys:
@@ -135,8 +172,10 @@ def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
             "returns-nothing", f"{question['function']} returned None: is a return statement missing?"
         )
     is_several = isinstance(answer, Mapping if keys else tuple | list) or (not keys and np.ndim(answer) > 0)
-    if is_several and (set(names) <= set(answer) if keys else len(answer) == len(names)):
-        return [answer[name] for name in names] if keys else list(answer)
+    if is_several and not keys and len(answer) == len(names):
+        return list(answer)
+    if is_several and keys and set(names) <= set(answer):
+        return [answer[name] for name in names]
     if not is_several:
         had = article(type(answer).__name__)
     else:
@@ -144,33 +183,61 @@ def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
     wanted = (
         f"a dict with the keys {', '.join(names)}" if keys else f"{len(names)} values ({', '.join(names)})"
     )
-    raise WrongAnswer("wrong-shape", wrong_value(*_named(question), wanted, had))
+    wrong = WrongAnswer("wrong-shape", wrong_value(*_named(question), wanted, had))
+    if is_several and keys and not set(names).isdisjoint(answer):
+        return [answer.get(name, wrong) for name in names]
+    raise wrong
 
 
-def returned(
-    question: Mapping[str, Any], answer: Any, *, finite: bool = True
-) -> dict[str, NDArray[np.float64]]:
+def returned(question: Mapping[str, Any], answer: Any, *, alone: bool = False) -> dict[str, Array]:
     """Return the values of an answer by name, of exactly the shapes that the question states. Raises
     WrongAnswer.
 
-    A complex value of shape s becomes real and imaginary parts of shape (*s, 2). Unless all must be
-    ``finite``, one that is not is returned beside another that is.
+    A complex value of shape s becomes real and imaginary parts of shape (*s, 2). If each stands ``alone``,
+    one that is not finite is returned beside others, and one of the wrong kind is noted as absent beside
+    others; such an answer is NaN.
     """
-    values, (name, is_returned), found, bad = question["returns"], _named(question), {}, []
+    values, found, wrong = question["returns"], dict[str, Array](), dict[str, WrongAnswer]()
     for value, part in zip(values, parts(question, answer), strict=True):
-        whose = (
-            value["name"]
-            if question.get("variables")
-            else name
-            if len(values) == 1
-            else f"{name} ({value['name']})"
-        )
-        found[value["name"]] = _number_array(part, value, whose, is_returned)
-        if not np.all(np.isfinite(found[value["name"]])):
-            bad.append(f"{whose} {'returned' if is_returned else 'has'} a value that is not finite")
-    if bad and (finite or len(bad) == len(values)):
-        raise WrongAnswer("not-finite", bad[0])
-    return found
+        try:
+            found[value["name"]] = _value(question, value, part)
+        except WrongAnswer as error:
+            if not alone:
+                raise
+            wrong[value["name"]] = error
+    if len(wrong) == len(values):
+        raise next(iter(wrong.values()))
+    return found | {
+        value["name"]: _left_out(value, wrong[value["name"]]) for value in values if value["name"] in wrong
+    }
+
+
+def _left_out(value: Mapping[str, Any], error: WrongAnswer) -> Array:
+    """Return the numbers that stand for a wrong value beside right ones. Raises the error if nobody keeps
+    notes.
+    """
+    if isinstance(error, NotFinite):
+        return error.numbers
+    if not absent(value["name"], Absent(str(error), error.code)):
+        raise error
+    return np.full((*value["shape"], 2) if value.get("complex") else tuple(value["shape"]), np.nan)
+
+
+def _value(question: Mapping[str, Any], value: Mapping[str, Any], part: Any) -> Array:
+    """Return one value of an answer. Raises WrongAnswer."""
+    name, is_returned = _named(question)
+    if question.get("variables"):
+        name = value["name"]
+        if not is_written(part, True):
+            raise WrongAnswer("missing-function", f"{name} is not defined")
+    elif len(question["returns"]) > 1:
+        name = f"{name} ({value['name']})"
+    if isinstance(part, WrongAnswer):
+        raise part
+    array = _number_array(part, value, name, is_returned)
+    if not np.all(np.isfinite(array)):
+        raise NotFinite(f"{name} {'returned' if is_returned else 'has'} a value that is not finite", array)
+    return array
 
 
 def _named(question: Mapping[str, Any]) -> tuple[str, bool]:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.kinds.asking import arguments, call, each, parts, returned
 from ecp.kinds.values import checks  # noqa: F401
@@ -22,26 +21,40 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         given = {name: value for name, value in row.items() if name not in question["symbols"]}
         if (key := repr(given)) not in found:
-            found[key] = parts(question, call(question, student, arguments(question, row)))
+            answered = parts(question, call(question, student, arguments(question, row)))
+            found[key] = [_table(part, question["function"]) for part in answered]
         point = {
             name: complex(*value) if np.ndim(value) else value
             for name, value in row.items()
             if name in question["symbols"]
         }
-        values = [_evaluated(part, point, question["function"]) for part in found[key]]
-        return returned(question, values if len(values) > 1 else values[0])
+        values = [_evaluated(table, point, question["function"]) for table in found[key]]
+        return returned(question, values if len(values) > 1 else values[0], alone=True)
 
     return each(rows, answer)
 
 
-def _evaluated(value: Any, point: Mapping[str, complex], name: str) -> NDArray[np.complex128]:
-    """Return the numbers of an expression, a matrix or a list of expressions at a point, by the names of its
-    symbols.
+def _table(value: Any, name: str) -> Any:
+    """Return an expression, a matrix or a list of expressions as an array of expressions of its own, or the
+    WrongAnswer that it is.
     """
+    if isinstance(value, WrongAnswer):
+        return value
     if value is None:
-        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
-    table = np.array(value.tolist() if hasattr(value, "tolist") else value, dtype=object)
-    return np.array([_number(part, point, name) for part in table.flat], dtype=complex).reshape(table.shape)
+        return WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
+    return np.array(value.tolist() if hasattr(value, "tolist") else value, dtype=object)
+
+
+def _evaluated(table: Any, point: Mapping[str, complex], name: str) -> Any:
+    """Return the numbers of expressions at a point, by the names of its symbols, or why there are none."""
+    if isinstance(table, WrongAnswer):
+        return table
+    try:
+        return np.array([_number(part, point, name) for part in table.flat], dtype=complex).reshape(
+            table.shape
+        )
+    except WrongAnswer as error:
+        return error
 
 
 def _number(part: Any, point: Mapping[str, complex], name: str) -> complex:

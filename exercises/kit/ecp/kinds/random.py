@@ -36,13 +36,14 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     def once(row: Mapping[str, Any], repetition: int) -> dict[str, Any]:
         seeds = {name: [row[name], repetition] for name in question["generators"]}
         seeds |= {name: row[name] + repetition for name in question["seeds"]}
-        return returned(question, call(question, student, arguments(question, {**row, **seeds})))
+        answer = call(question, student, arguments(question, {**row, **seeds}))
+        return returned(question, answer, alone=True)
 
     def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         runs = [once(row, repetition) for repetition in range(question["repetitions"])]
         again = once(row, 0) if question["generators"] or question["seeds"] else runs[0]
         return stacked(runs) | {
-            "again": float(all(np.array_equal(runs[0][name], again[name]) for name in again))
+            "again": float(all(np.array_equal(runs[0][name], again[name], equal_nan=True) for name in again))
         }
 
     with _global_generators():
@@ -78,7 +79,9 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
             return replace(judgement, detail=text.format(worst), measured=worst, expected=0.0)
 
         tolerance = Tolerance(**question[name if name in ERRORS else "tolerance"])
-        return Check(f"{id}-{name}", f"{label}: {about}{suffix}", (scene,), word, tolerance, locate)
+        read = ("error" if name in ERRORS else "value",)
+        full = f"{label}: {about}{suffix}"
+        return Check(f"{id}-{name}", full, (scene,), word, tolerance, locate, arrays=read)
 
     tests = SAMPLES if question.get("distribution") else ESTIMATES
     found = [check(name, *test) for name, test in tests.items() if name not in ERRORS or question.get(name)]
@@ -88,10 +91,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
         else "repeated calls give different results"
     )
     reason = "results are compared bit for bit"
-    return [
-        *found,
-        holds(f"{id}-repeated", f"{label}: {about}{suffix}", scene, claim=_repeats, reason=reason),
-    ]
+    repeated = holds(f"{id}-repeated", f"{label}: {about}{suffix}", scene, claim=_repeats, reason=reason)
+    return [*found, replace(repeated, arrays=("value", "again"))]
 
 
 def _repeats(seen: Arrays) -> tuple[bool, str]:

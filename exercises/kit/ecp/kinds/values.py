@@ -14,6 +14,7 @@ from ecp.judge import Judgement, RowsRight, Verdict
 from ecp.kinds.alignment import aligned
 from ecp.kinds.asking import Counted, arguments, call, describe, each, returned
 from ecp.outcome import Tolerance
+from ecp.return_value import Kept
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
@@ -21,9 +22,12 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     the most calls of one of its function arguments.
     """
 
+    kept = Kept(question["function"])
+
     def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         given = arguments(question, row)
-        found = returned(question, call(question, student, given), finite=False)
+        kept.replace(whole := call(question, student, given))
+        found = returned(question, whole, alone=True)
         calls = [value.calls for value in given.values() if isinstance(value, Counted)]
         return found | ({"calls": float(max(calls))} if calls else {})
 
@@ -36,9 +40,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     if limit := question.get("calls"):
         name = next(iter(question["families"]))
         label = f"{question['function']} calls {name} at most {limit['limit']} times{suffix}"
-        made.append(
-            below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit)
-        )
+        calls = below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit)
+        made.append(replace(calls, arrays=("calls",)))
     return made
 
 

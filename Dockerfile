@@ -6,14 +6,15 @@ ARG PIP_INDEX_URL
 ENV UV_DEFAULT_INDEX=${PIP_INDEX_URL} UV_NO_CACHE=1 UV_COMPILE_BYTECODE=1 UV_PYTHON_DOWNLOADS=never
 WORKDIR /build
 COPY requirements requirements
-# No program reads the tests of SciPy and sympy.
+# No program reads the tests of SciPy and sympy, nor the stubs with which jedi completes code.
 RUN --mount=type=secret,id=netrc,target=/root/.netrc --mount=type=secret,id=ca \
     if [ -e /run/secrets/ca ]; then export PIP_CERT=/run/secrets/ca SSL_CERT_FILE=/run/secrets/ca; fi \
     && python3 -m venv /opt/uv \
     && /opt/uv/bin/pip install --no-cache-dir --disable-pip-version-check --require-hashes -r requirements/installer.lock \
     && python3 -m venv --without-pip /opt/venv \
     && /opt/uv/bin/uv pip install --python /opt/venv --require-hashes -r requirements/runtime.lock \
-    && find /opt/venv/lib/python3*/site-packages/scipy /opt/venv/lib/python3*/site-packages/sympy -type d -name tests -prune -exec rm --recursive {} +
+    && find /opt/venv/lib/python3*/site-packages/scipy /opt/venv/lib/python3*/site-packages/sympy -type d -name tests -prune -exec rm --recursive {} + \
+    && rm --recursive /opt/venv/lib/python3*/site-packages/jedi/third_party
 COPY pyproject.toml README.md LICENSE ./
 COPY reference reference
 COPY exercises exercises

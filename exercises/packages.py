@@ -7,8 +7,10 @@ import re
 from collections.abc import Collection, Iterable
 from importlib import metadata
 
-SANDBOX = ("numpy", "scipy", "matplotlib", "ipython")
-"""Distributions in every sandbox."""
+FOR_STUDENTS = ("numpy", "scipy", "matplotlib")
+"""Distributions that every submission can use."""
+SANDBOX = (*FOR_STUDENTS, "ipython")
+"""Distributions in every sandbox: IPython runs the cells of notebooks."""
 
 
 def missing(names: Iterable[str]) -> list[str]:
@@ -17,16 +19,16 @@ def missing(names: Iterable[str]) -> list[str]:
 
 
 def versions(names: Collection[str] = ()) -> dict[str, str]:
-    """Return the versions of Python, of the distributions in every sandbox, and of those of ``names`` that
-    are installed.
+    """Return the versions of Python, of the distributions that every submission can use, and of those of
+    ``names`` that are installed.
     """
-    found = {name: version(name) for name in [*SANDBOX, *names] if _installed(name)}
+    found = {name: version(name) for name in [*FOR_STUDENTS, *names] if _installed(name)}
     return {"python": platform.python_version()} | found
 
 
 def listing(names: Collection[str] = ()) -> str:
-    """Return the versions as a phrase: "numpy 2.1.3, scipy 1.14.1, matplotlib 3.9.2 and the standard library
-    of Python 3.11".
+    """Return what a submission can import as a phrase: "numpy 2.1.3, scipy 1.14.1, matplotlib 3.9.2 and the
+    standard library of Python 3.11".
     """
     found = versions(names)
     python = ".".join(found.pop("python").split(".")[:2])

@@ -19,7 +19,14 @@ from service.grading.json_submission import (
     check_filename,
     read_json,
 )
-from service.grading.submission import DEFAULT_SIZES, SizeLimits, Submission, TooLarge, upload_too_large
+from service.grading.submission import (
+    DEFAULT_SIZES,
+    PYTHON_FILE,
+    SizeLimits,
+    Submission,
+    TooLarge,
+    upload_too_large,
+)
 from service.sandbox.guest.lockdown import die_with_parent
 
 FORM, JSON = "multipart/form-data", "application/json"
@@ -60,7 +67,7 @@ async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> Pars
         upload = form.get("file")
         if not isinstance(upload, UploadFile):
             raise BadDocument('the form must have a file in its field "file"', "/file")
-        name = check_filename(upload.filename or "submission.py", "/file")
+        name = check_filename(upload.filename or PYTHON_FILE, "/file")
         numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
         return ParsedSubmission(
             Submission.from_bytes(await upload.read(), name, limits), check_exercises(numbers or None)

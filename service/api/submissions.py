@@ -140,9 +140,13 @@ SUBMIT_BODY = {
                 "properties": {
                     "source": {
                         "type": "string",
-                        "description": "Python source, or a notebook with a filename *.ipynb.",
+                        "description": "Python source, or the JSON text of a notebook.",
                     },
-                    "filename": {"type": "string", "default": "submission.py", "pattern": r"\.(py|ipynb)$"},
+                    "filename": {
+                        "type": "string",
+                        "default": "submission.py",
+                        "pattern": r"\.([pP][yY]|[iI][pP][yY][nN][bB])$",
+                    },
                     "exercises": {"type": "array", "minItems": 1, "items": {"type": "string"}},
                 },
             }

@@ -43,7 +43,8 @@ def find_files(named: Iterable[str]) -> list[Path]:
             )
         if other := [file.name for file in files if file.suffix.lower() not in (*SUFFIXES, JSON)]:
             raise NoSubmissionFound(
-                f"{', '.join(other)}: cannot be a submission: name a .py, .ipynb or .json file"
+                f"{', '.join(other)}: cannot be a submission: name a .py, .ipynb or .json file; if it holds"
+                " Python, rename it to end in .py"
             )
         for file in files:
             found.setdefault(file.resolve(), file)

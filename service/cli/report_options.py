@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from service.cli.arguments import number
 from service.cli.errors import CommandError
-from service.formats import VISIBILITIES
+from service.formats import VISIBILITIES, VISIBLE
 
 if TYPE_CHECKING:
     from exercises.assignment import Assignment
@@ -122,7 +122,7 @@ class ReportFiles:
             checks = [check.id for check in assignment.checks()]
             yield arguments.csv, grades.assignment_csv(rows(graded, assignment), checks)
         if arguments.gradescope:
-            hidden = arguments.hidden or "visible"
+            hidden = arguments.hidden or VISIBLE
             results = gradescope.document(graded[0], assignment, max_score=arguments.max_score, hidden=hidden)
             yield arguments.gradescope, json.dumps(results, indent=1)
         if self._about:

@@ -1,4 +1,5 @@
 """Reports and grades in the formats of other systems: pure functions without HTTP, SQL or a clock."""
 
-VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
+VISIBLE = "visible"
+VISIBILITIES = (VISIBLE, "after_due_date", "after_published", "hidden")
 """The visibilities of a test on Gradescope."""

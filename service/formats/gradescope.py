@@ -6,14 +6,16 @@ rules, so a picture is a figure with a PNG as a data: URL and a caption that rem
 
 import base64
 from collections.abc import Iterator
+from dataclasses import replace
 from html import escape
 from typing import Any
 
+from ecp import grouped
 from ecp.judge import Verdict
 from ecp.outcome import ExerciseReport, Outcome, Picture
 from ecp.report import Report
 from exercises.assignment import Assignment
-from service.formats import VISIBILITIES
+from service.formats import VISIBILITIES, VISIBLE
 from service.formats.check_text import (
     NOTHING,
     SUBMITTED,
@@ -30,7 +32,7 @@ MOST_PICTURES = 4 << 20
 
 
 def document(
-    file: GradedFile, assignment: Assignment, *, max_score: float | None = None, hidden: str = "visible"
+    file: GradedFile, assignment: Assignment, *, max_score: float | None = None, hidden: str = VISIBLE
 ) -> dict[str, Any]:
     """Return the results of one file: a counted check is worth its points, or their share of ``max_score``.
 
@@ -65,10 +67,19 @@ def _graded(
     made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance
     return {
         "score": report.score * point,
-        "output": sanitize(report.summary()),
+        "output": sanitize("\n\n".join(filter(None, [_causes(report, hidden), report.summary()]))),
         "tests": [*tests, *_figures(file, report)],
         "extra_data": made | {"seed": provenance.seed, "versions": provenance.versions},
     }
+
+
+def _causes(report: Report, hidden: str) -> str:
+    """Return the causes of what did not pass as text, of hidden checks only if these are visible."""
+    shown = [
+        replace(e, outcomes=[o for o in e.outcomes if hidden == VISIBLE or not o.hidden])
+        for e in report.exercises
+    ]
+    return grouped.text(grouped.causes(shown, report.scene_ends))
 
 
 def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) -> Iterator[dict[str, Any]]:
@@ -80,7 +91,7 @@ def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) 
             points = {"score": point * outcome.earned, "max_score": point * outcome.points}
             test |= points | {"status": "passed" if passed else "failed"}
         test |= {"output": detail(outcome, report), "output_format": "text", "tags": _tags(exercise, outcome)}
-        test["visibility"] = hidden if outcome.hidden else "visible"
+        test["visibility"] = hidden if outcome.hidden else VISIBLE
         test["extra_data"] = {
             "id": outcome.id,
             "verdict": outcome.verdict.value,
@@ -105,7 +116,7 @@ def _failed(name: str, output: str) -> dict[str, Any]:
         "status": "failed",
         "output": output,
         "output_format": "text",
-        "visibility": "visible",
+        "visibility": VISIBLE,
     }
 
 
@@ -121,7 +132,7 @@ def _figures(file: GradedFile, report: Report) -> Iterator[dict[str, Any]]:
             "name": "Figures",
             "output": "\n".join(shown),
             "output_format": "html",
-            "visibility": "visible",
+            "visibility": VISIBLE,
         }
 
 

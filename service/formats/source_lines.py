@@ -12,11 +12,12 @@ from json import scanner
 from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any, cast
 
+from ecp.notebook.outputs import is_notebook
 from ecp.outcome import Outcome
 from exercises.assignment import Assignment
 from service.formats.check_text import stopped_by
 from service.grading.result import GradedFile
-from service.grading.submission import BREAK, source_locations
+from service.grading.submission import BREAK, PYTHON_FILE, source_locations
 
 Numbered = list[tuple[int, str]]
 """The lines of a cell, each with its number in the file."""
@@ -30,8 +31,8 @@ class SourceLines:
         self._functions = {
             c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes
         }
-        whole = {"submission.py": list(enumerate(BREAK.split(file.source), start=1))}
-        self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else whole
+        whole = {PYTHON_FILE: list(enumerate(BREAK.split(file.source), start=1))}
+        self._cells = _notebook(file.source) if is_notebook(file.source, file.file.name) else whole
 
     def line_of(self, outcome: Outcome) -> int | None:
         """Return the line number (from 1) that the outcome refers to, or None if there is none."""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ecp.notebook.outputs import is_notebook
 from ecp.outcome import SweepResult
 from exercises import validation
 from exercises.assignment import Assignment
@@ -154,7 +155,7 @@ def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmissio
         content = stream.read(
             sizes.upload + 1
         )  # one more byte than accepted reveals a file that is too large
-    if len(content) <= sizes.upload and request.file.suffix.lower() == ".json":
+    if len(content) <= sizes.upload and _is_document(request.file.name, content):
         parsed = read_json(content, sizes)
         try:
             select(options.assignment, parsed.exercises)
@@ -169,6 +170,11 @@ def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmissio
     return ParsedSubmission(
         submission, exercises
     ), submission.source if submission.source == text else _shortened(text)
+
+
+def _is_document(name: str, content: bytes) -> bool:
+    """Return whether a file is a submission as JSON, rather than Python or a notebook."""
+    return name.lower().endswith(".json") and not is_notebook(content.decode("utf-8-sig", "replace"), name)
 
 
 def _shortened(notebook: str) -> str:

@@ -3,6 +3,7 @@
 import functools
 import logging
 import platform
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
@@ -37,7 +38,8 @@ Causes = Callable[[str], list[Diagnosis]]
 """A function that returns the diagnoses of a scene's results, given its name, or of a question's, given its
 id.
 """
-VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
+VERSIONS_OF = ("polhode", *packages.SANDBOX)
+MISSING_MODULE = re.compile(r"\bModuleNotFoundError: No module named '[^']*'$")
 
 
 @dataclass(frozen=True)
@@ -254,8 +256,10 @@ def _play(
         elif instead is not None:
             inputs[name], exact[name] = instead, scene.truth(instead)
     for scene_end in (*result.cells.values(), *result.scene_ends.values()):
-        if scene_end.ended is Ended.RAISED and scene_end.sentence.startswith("ModuleNotFoundError: "):
-            scene_end.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
+        if MISSING_MODULE.search(scene_end.sentence):
+            there = f" (the sandbox has {packages.listing(assignment.packages)})"
+            scene_end.sentence += there
+            scene_end.because = scene_end.because and scene_end.because + there
     truths = {
         name: arrays
         for name, arrays in exact.items()
@@ -348,9 +352,7 @@ def _absent(check: Check, scenes: list[Scene], result: PlayResult) -> Absent | N
 
 
 def _cause(scene: Scene, result: PlayResult) -> str:
-    """Return why a scene has no result: its own scene end, that of the scene it comes after, or that of a
-    failed cell.
-    """
+    """Return why a scene has no result: its own scene end, or that of the scene it comes after."""
     scene_end = result.scene_ends.get(scene.name)
     if scene_end is None:
         return "your code stopped before this scene was played"
@@ -401,5 +403,5 @@ def _diagnose_failure(scenes: list[Scene], result: PlayResult, causes: Causes) -
         for name in (scene.after, scene.name):
             scene_end = result.scene_ends.get(name or "")
             if scene_end is not None and scene_end.code is not None:
-                return [Diagnosis(code=scene_end.code, sentence=scene_end.sentence, confidence=1.0)]
+                return [Diagnosis(code=scene_end.code, sentence=scene_end.cause, confidence=1.0)]
     return []

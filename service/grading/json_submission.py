@@ -3,7 +3,10 @@
 import json
 from dataclasses import dataclass
 
-from service.grading.submission import BadSubmission, SizeLimits, Submission
+from service.grading.submission import PYTHON_FILE, BadSubmission, SizeLimits, Submission
+
+SUFFIXES = (".py", ".ipynb")
+RENAME = "submit a .py or .ipynb file; if it holds Python, give it a name that ends in .py"
 
 
 class BadDocument(BadSubmission):
@@ -31,18 +34,18 @@ def read_json(data: bytes, limits: SizeLimits) -> ParsedSubmission:
         raise BadDocument('the body must be a JSON object with a string "source"')
     if unknown := sorted(set(document) - {"source", "exercises", "filename"}):
         raise BadDocument(f"unknown field {unknown[0]}: remove it", f"/{unknown[0]}")
-    name = check_filename(document.get("filename", "submission.py"), "/filename")
+    name = check_filename(document.get("filename", PYTHON_FILE), "/filename")
     submission = Submission.from_bytes(document["source"].encode("utf-8", "replace"), name, limits)
     return ParsedSubmission(submission, check_exercises(document.get("exercises")))
 
 
 def check_filename(value: object, pointer: str) -> str:
-    """Return a printable file name. Raises BadSubmission, with ``pointer``,
-    unless it ends in .py or .ipynb.
+    """Return a printable file name. Raises BadSubmission, with ``pointer``, unless it ends in .py or .ipynb,
+    in capitals or not.
     """
     name = "".join(c for c in value if c.isprintable()) if isinstance(value, str) else ""
-    if not name.endswith((".py", ".ipynb")):
-        raise BadSubmission(f"cannot grade the file {name[:80]!r}: submit a .py or .ipynb file", pointer)
+    if not name.lower().endswith(SUFFIXES):
+        raise BadSubmission(f"cannot grade the file {name[:80]!r}: {RENAME}", pointer)
     return name
 
 

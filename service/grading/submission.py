@@ -7,14 +7,18 @@ import re
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from ecp.notebook.outputs import strip_outputs
-from ecp.outcome import SceneEnd
+from ecp.notebook.outputs import is_notebook, strip_outputs
+from ecp.outcome import FRAME, SceneEnd
 from service.sandbox.job import Cell
 
 KIB, MIB = 2**10, 2**20
 MOST_CELLS = 500
 MOST_NAME = 120
-NOT_A_NOTEBOOK = "this file is named .ipynb but is not a Jupyter notebook (format 4)"
+PYTHON_FILE = "submission.py"
+NOT_A_NOTEBOOK = (
+    "this file is named .ipynb but is not a Jupyter notebook (format 4): save it in Jupyter, or, if it is"
+    " Python, name it .py"
+)
 
 
 class BadSubmission(ValueError):
@@ -45,12 +49,10 @@ DEFAULT_SIZES = SizeLimits()
 
 @dataclass(frozen=True)
 class Submission:
-    """Source text and its file name. A name that ends in .ipynb means a notebook, which is kept without
-    outputs.
-    """
+    """Source text and its file name. A notebook, by its name or its text, is kept without outputs."""
 
     source: str
-    filename: str = "submission.py"
+    filename: str = PYTHON_FILE
 
     @classmethod
     def from_bytes(cls, data: bytes, filename: str, limits: SizeLimits = DEFAULT_SIZES) -> "Submission":
@@ -81,8 +83,8 @@ class Submission:
 
     def cells(self) -> tuple[Cell, ...]:
         """Return the code cells of a notebook, or the whole file as one cell."""
-        if not _is_notebook(self.filename):
-            return (Cell("submission.py", self.source),)
+        if not is_notebook(self.source, self.filename):
+            return (Cell(PYTHON_FILE, self.source),)
         return _notebook_cells(self.source)
 
 
@@ -95,18 +97,15 @@ def upload_too_large(limits: SizeLimits) -> str:
     return f"the submission is larger than {limits.upload / MIB:g} MiB: {remedy}"
 
 
-def _is_notebook(filename: str) -> bool:
-    return filename.lower().endswith(".ipynb")
-
-
 def _without_outputs(source: str, filename: str, limits: SizeLimits) -> str:
     """Return the source, of a notebook without its outputs. Raises BadSubmission."""
+    notebook = is_notebook(source, filename)
     try:
-        source = strip_outputs(source) if _is_notebook(filename) else source
+        source = strip_outputs(source) if notebook else source
     except ValueError:
         raise BadSubmission(NOT_A_NOTEBOOK) from None
     if (size := len(source.encode())) > limits.source:
-        counted = "without outputs it" if _is_notebook(filename) else "it"
+        counted = "without outputs it" if notebook else "it"
         allowed = (
             f"{counted} has {math.ceil(size / KIB)} KiB and at most {limits.source / KIB:g} KiB are accepted"
         )
@@ -120,7 +119,7 @@ def _without_outputs(source: str, filename: str, limits: SizeLimits) -> str:
 def _name(filename: str) -> str:
     """Return the last part of a file name, printable and at most MOST_NAME characters."""
     name = "".join(c for c in PurePath(filename).name if c.isprintable())
-    return name[-MOST_NAME:] or "submission.py"
+    return name[-MOST_NAME:] or PYTHON_FILE
 
 
 def _notebook_cells(source: str) -> tuple[Cell, ...]:
@@ -139,7 +138,6 @@ def _text(source: str | list[str]) -> str:
 
 
 BREAK = re.compile(r"\r\n|\r|\n")  # Python's line breaks; a form feed, for example, is none
-_FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
 
 
 @dataclass(frozen=True)
@@ -156,6 +154,6 @@ def source_locations(scene_end: SceneEnd) -> list[SourceLocation]:
     for line in (scene_end.traceback or "").split("\n"):
         if line and not line[0].isspace():
             break
-        if frame := _FRAME.match(line):
+        if frame := FRAME.match(line):
             found.append(SourceLocation(frame[1], int(frame[2][:9])))
     return found

@@ -71,8 +71,8 @@ async def changes(request: Request, person: CurrentUser, stored: Submission, dat
 
 def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comment]) -> dict[str, Any]:
     """Return the part of the context that is slow to compute: source lines, failing lines and motions."""
-    scene_ends = stored.report.scene_ends if stored.report else []
-    shown = cells(stored.submission, scene_ends, commented)
+    scene_ends, stops = (stored.report.scene_ends, stored.report.stops()) if stored.report else ([], [])
+    shown = cells(stored.submission, stops, commented)
     places = {cell.name: cell.place for cell in shown}
     assignment, report = assignments().get(stored.assignment), stored.report
     return {
@@ -86,8 +86,7 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
                 scene_end,
                 [(places[p.cell], p) for p in source_locations(scene_end) if p.cell in places],
             )
-            for number, scene_end in enumerate(scene_ends)
-            if scene_end.traceback
+            for number, scene_end in enumerate(stops)
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
         "sweeps": assignment is not None

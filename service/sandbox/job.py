@@ -199,9 +199,9 @@ class Job:
         return _encoded({"setup": self.setup, "source": self.reference.source, "names": self.reference.names})
 
 
-def _cause(end: SceneEnd) -> tuple[str, str | None]:
-    """Return why the names that a statement was to bind are missing, and the diagnosis code."""
-    return f"{end.scene} stopped: {end.sentence.removesuffix(RUN_AGAIN)}", end.code
+def _cause(end: SceneEnd) -> tuple[str, str | None, str | None]:
+    """Return why the names that a statement was to bind are missing, as the fields of the guest's Cause."""
+    return f"{end.scene} stopped: {end.sentence.removesuffix(RUN_AGAIN)}", end.code, end.traceback
 
 
 @functools.lru_cache(maxsize=64)

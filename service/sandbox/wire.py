@@ -263,13 +263,14 @@ def _scene_end(name: str, event: Mapping[str, Any]) -> SceneEnd:
         scene_end = Ended(str(event.get("ended")))
     except ValueError:
         raise ProtocolError("unknown scene end") from None
-    trace = event.get("traceback")
+    trace, because = event.get("traceback"), event.get("because")
     return SceneEnd(
         scene=name,
         ended=scene_end,
         sentence=_line(event.get("sentence", "")),
         code=_code(event.get("code")),
         traceback=text(trace) if trace else None,
+        because=_line(because) if because else None,
     )
 
 

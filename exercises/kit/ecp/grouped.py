@@ -1,19 +1,22 @@
 """Failures grouped by the diagnosis that explains them: the top of a report."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, ExerciseReport, Outcome
+from ecp.outcome import Diagnosis, ExerciseReport, Outcome, SceneEnd
 
 
 @dataclass(frozen=True)
 class Cause:
-    """A diagnosis, numbered from 1, with the outcomes it explains, by exercise number."""
+    """A diagnosis, numbered from 1, with the outcomes it explains, by exercise number, and the student's line
+    that raised, with its place, if one did.
+    """
 
     number: int
     diagnosis: Diagnosis
     explains: Mapping[str, list[Outcome]]
+    raised_at: str = ""
 
     def outcomes(self) -> list[Outcome]:
         """Return all outcomes it explains."""
@@ -34,7 +37,7 @@ class Cause:
         ]
 
 
-def causes(exercises: Iterable[ExerciseReport]) -> list[Cause]:
+def causes(exercises: Iterable[ExerciseReport], scene_ends: Sequence[SceneEnd] = ()) -> list[Cause]:
     """Return the diagnoses of all counted outcomes that did not pass, the one that explains most first."""
     found: dict[str, tuple[Diagnosis, dict[str, list[Outcome]]]] = {}
     for exercise in exercises:
@@ -45,8 +48,10 @@ def causes(exercises: Iterable[ExerciseReport]) -> list[Cause]:
                 _, explains = found.setdefault(diagnosis.sentence, (diagnosis, {}))
                 explains.setdefault(exercise.number, []).append(outcome)
     ranked = sorted(found.values(), key=lambda one: -sum(map(len, one[1].values())))
+    raised = {end.cause: end.raised_at() for end in reversed(scene_ends)}
     return [
-        Cause(number, diagnosis, explains) for number, (diagnosis, explains) in enumerate(ranked, start=1)
+        Cause(number, diagnosis, explains, raised.get(diagnosis.sentence, ""))
+        for number, (diagnosis, explains) in enumerate(ranked, start=1)
     ]
 
 
@@ -70,6 +75,7 @@ def text(found: list[Cause]) -> str:
     lines = [header(found)] if header(found) else []
     for cause in found:
         lines.append(f"{cause.number}. {cause.likely}{cause.diagnosis.code}: {cause.diagnosis.sentence}")
+        lines += [f"     {cause.raised_at}"] if cause.raised_at else []
         lines += [f"     {where}" for where in cause.where()]
     return "\n".join(lines)
 

@@ -1,14 +1,17 @@
 """The outcome of a check as it appears in a report, and how the execution of a scene ended."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import pairwise
 from typing import ClassVar
 
 from ecp.judge import RowsRight, Verdict, line
 
 NEARLY = 0.01  # a larger margin may be explained by a few rounding errors,
 SMALL = 1e-6  # if the tolerance that would pass is at most this
+FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
 
 
 class Ended(StrEnum):
@@ -32,6 +35,8 @@ class Ended(StrEnum):
 class SceneEnd:
     """How one scene or cell ended: the sentence, the diagnosis code, and the student's traceback if there is
     one.
+
+    If it follows from an earlier failure, ``because`` is the part of the sentence that says which.
     """
 
     scene: str
@@ -39,6 +44,27 @@ class SceneEnd:
     sentence: str
     code: str | None = None
     traceback: str | None = None
+    because: str | None = None
+
+    @property
+    def cause(self) -> str:
+        """Return the sentence of the first failure."""
+        return self.because or self.sentence
+
+    def raised_at(self) -> str:
+        """Return the student's last line of the traceback, with its place: "cell 3, line 2: return 1 / 0",
+        or "".
+        """
+        found = ""
+        lines = (self.traceback or "").split("\n")
+        for head, source in pairwise([*lines, ""]):
+            if head and not head[0].isspace():
+                break  # the exception's own text
+            if frame := FRAME.match(head):
+                inside = "" if "/" in frame[1] or "<" in frame[1] else f"{frame[1]}, "
+                shown = "" if FRAME.match(source) or not source[:1].isspace() else f": {source.strip()}"
+                found = f"{inside}line {frame[2]}{shown}"
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,6 +172,16 @@ class Outcome:
             else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
         )
 
+    def line_below(self, numbers: Mapping[str, int]) -> str:
+        """Return the line with the number of its cause at the top of the report in place of the cause."""
+        detail = self.detail
+        for diagnosis in self.diagnosis if self.verdict is Verdict.UNMEASURED else []:
+            if (number := numbers.get(diagnosis.sentence)) is not None:
+                before = {"not measured: ": "see ", "because ": "of ", "": ""}
+                for words, more in before.items():
+                    detail = detail.replace(f"{words}{diagnosis.sentence}", f"{words}{more}cause {number}")
+        return line(self.verdict, self.label, detail)
+
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
         """Return the line and notes, likely causes and hints, indented below it.
 
@@ -160,7 +196,8 @@ class Outcome:
             else f"likely {d.code}: {d.sentence}"
             for d in self.causes()
         ]
-        return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes, *hints])])
+        notes = [*self.notes(), *causes, *hints]
+        return "\n".join([self.line_below(above), *(f"     {note}" for note in notes)])
 
 
 @dataclass(frozen=True)

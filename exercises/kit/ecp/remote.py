@@ -15,7 +15,7 @@ from ecp.gather import Bundle, CannotSend, gather, whole_notebook
 from ecp.health import local_time, outdated
 from ecp.http import CONTACT_S, Event, RequestError, call, events
 from ecp.identity import JSON, authorization
-from ecp.notebook.outputs import strip_outputs
+from ecp.notebook.outputs import is_notebook, strip_outputs
 from ecp.progress import Line
 from ecp.report import Report
 from ecp.return_value import is_empty
@@ -114,7 +114,7 @@ def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
         text = path.read_bytes().decode("utf-8-sig").lstrip("\ufeff")
     except (OSError, UnicodeDecodeError) as error:
         raise CannotSend(f"{path} cannot be read ({error}): nothing was submitted.") from None
-    if path.suffix.lower() == ".ipynb":
+    if is_notebook(text, path.name):
         with contextlib.suppress(ValueError):  # the server reports what is wrong with it
             text = strip_outputs(text)
     return Bundle(text, filename=path.name)

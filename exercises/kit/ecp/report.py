@@ -9,7 +9,7 @@ from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
 from ecp.grouped import Cause
 from ecp.judge import Verdict
-from ecp.outcome import Ended, ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
+from ecp.outcome import ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
 
 OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
@@ -121,7 +121,12 @@ class Report:
 
     def causes(self) -> list[Cause]:
         """Return the diagnoses with the outcomes each explains, the one that explains most first."""
-        return grouped.causes(self.exercises)
+        return grouped.causes(self.exercises, self.scene_ends)
+
+    def stops(self) -> list[SceneEnd]:
+        """Return the scene ends with a traceback, each traceback once."""
+        first = {end.traceback: end for end in reversed(self.scene_ends) if end.traceback}
+        return [end for end in self.scene_ends if end.traceback and first[end.traceback] is end]
 
     def lines(self) -> str:
         """Return the ✓/✗ lines only."""
@@ -136,8 +141,8 @@ class Report:
         blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
         if self.notebook_checks:
             blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
-        if notes := [note for e in self.scene_ends if (note := _note(e))]:
-            blocks.append("\n".join(notes))
+        if stops := self.stops():
+            blocks.append("\n".join(map(_note, stops)))
         if self.sweep:
             blocks.append(f"speed versus accuracy: {self.sweep.line}")
         return "\n\n".join([*blocks, self.summary()]) + "\n"
@@ -178,8 +183,6 @@ class Report:
         show(self)
 
 
-def _note(scene_end: SceneEnd) -> str | None:
-    if scene_end.traceback is None or scene_end.ended in (Ended.FINISHED, Ended.NOT_PLAYED):
-        return None
-    shown = "\n".join(f"     {line}" for line in scene_end.traceback.rstrip().split("\n"))
+def _note(scene_end: SceneEnd) -> str:
+    shown = "\n".join(f"     {line}" for line in (scene_end.traceback or "").rstrip().split("\n"))
     return f"{scene_end.scene}: {scene_end.sentence}\n{shown}"

@@ -94,9 +94,8 @@ def html(report: Report) -> str:
         parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
         f"<details open><summary>{escape(e.scene)}:"
-        f" {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
-        for e in report.scene_ends
-        if e.traceback
+        f" {escape(e.sentence)}</summary><pre>{escape(e.traceback or '')}</pre></details>"
+        for e in report.stops()
     ]
     parts.append(f"<small>{escape(report.summary())}. {escape(report.remark)}{_page(report)}</small>")
     if report.sent is not None:
@@ -127,7 +126,8 @@ def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
             else:
                 below += f'<p class="quiet">{where}: {listed}</p>'
         anchor = f' id="cause-{cause.number}"' if links else ""
-        items.append(f"<li{anchor}>{cause.likely}{_diagnosis(cause.diagnosis)}{below}</li>")
+        raised = f"<p><code>{escape(cause.raised_at)}</code></p>" if cause.raised_at else ""
+        items.append(f"<li{anchor}>{cause.likely}{_diagnosis(cause.diagnosis)}{raised}{below}</li>")
     return f"<ol>{''.join(items)}</ol>"
 
 
@@ -156,7 +156,9 @@ def outcome_item(
     below += [f"hint: {escape(hint)}" for hint in outcome.hints]
     text = _folded(notes) if links else ""
     text += "".join(f"<p>{one}</p>" for one in below)
-    return item(outcome.verdict, outcome.line, badges, text, f"check-{outcome.id}" if links else "")
+    return item(
+        outcome.verdict, outcome.line_below(numbers), badges, text, f"check-{outcome.id}" if links else ""
+    )
 
 
 def item(verdict: Verdict, line: str, badges: Iterable[str], below: str = "", anchor: str = "") -> str:
@@ -236,14 +238,12 @@ def _sent(report: Report) -> str:
     bundle = report.sent
     left = "".join(f"<p>{escape(item.name)}: {escape(item.sentence)}</p>" for item in bundle.left_out)
     title = f"Graded source (SHA-256 {bundle.sha256[:16]}…)"
-    code = escape(_code(bundle.source, bundle.filename))
+    code = escape(_code(bundle.source))
     return f"{left}<details><summary>{title}</summary><pre><code>{code}</code></pre></details>"
 
 
-def _code(source: str, filename: str) -> str:
+def _code(source: str) -> str:
     """Return the source for display: of a notebook its code cells."""
-    if not filename.endswith(".ipynb"):
-        return source
     try:
         cells = [cell["source"] for cell in json.loads(source)["cells"] if cell["cell_type"] == "code"]
     except (ValueError, LookupError, TypeError):

@@ -74,10 +74,11 @@ def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
 
 
 def is_written(value: Any, variable: bool = False) -> bool:
-    """Return whether ``value`` is a callable, or for a ``variable`` anything but None and ``...``, and not
-    empty.
+    """Return whether ``value`` is a callable, or for a ``variable`` anything but None, ``...`` and
+    NotImplemented, and not empty.
     """
-    return value is not None and value is not ... and (variable or callable(value)) and not is_empty(value)
+    given = not any(value is nothing for nothing in (None, ..., NotImplemented))
+    return given and (variable or callable(value)) and not is_empty(value)
 
 
 def missing(names: Mapping[str, Any], name: str, variable: bool) -> str | None:
@@ -96,22 +97,31 @@ def _named(value: Any) -> str:
 
 
 def is_empty(function: Any) -> bool:
-    """Return whether a function's body, or that of each method of a class, is only a docstring, ``...`` or
-    ``pass``: it is not written yet.
+    """Return whether a function's body, or that of each method of a class, is only a docstring, ``...``,
+    ``pass`` or ``raise NotImplementedError("…")``: it is not written yet.
     """
     if isinstance(function, type):
         own = [getattr(value, "__func__", getattr(value, "fget", value)) for value in vars(function).values()]
         methods = [value for value in own if isinstance(value, types.FunctionType)]
         return all(map(is_empty, methods)) and bool(methods)
-    if not isinstance(function, types.FunctionType) or not _NOTHING.issuperset(
-        function.__code__.co_code[::2]
-    ):
+    if not isinstance(function, types.FunctionType) or not _CODE.issuperset(function.__code__.co_code[::2]):
         return False
-    return all(step.argval is None for step in dis.get_instructions(function) if step.opname in _CONSTANT)
+    steps = list(dis.get_instructions(function))
+    names = {getattr(step.argval, "__name__", step.argval) for step in steps if step.opname in _NAMED}
+    values = [step.argval for step in steps if step.opname in _CONSTANT]
+    if steps[-1].opname == "RAISE_VARARGS":
+        return bool(names) and names <= _NOT_WRITTEN
+    return names <= _NOT_WRITTEN and all(value in (None, ...) for value in values)
 
 
-_CONSTANT = {"LOAD_CONST", "RETURN_CONST"}
-_NOTHING = {dis.opmap[name] for name in _CONSTANT | {"RESUME", "NOP", "RETURN_VALUE"} if name in dis.opmap}
+_NOT_WRITTEN = {"NotImplementedError", "NotImplemented"}
+_CONSTANT, _NAMED = {"LOAD_CONST", "RETURN_CONST"}, {"LOAD_GLOBAL", "LOAD_COMMON_CONSTANT"}
+_CALL = {"CACHE", "PUSH_NULL", "PRECALL", "CALL", "RAISE_VARARGS"}
+_CODE = {
+    dis.opmap[name]
+    for name in (*_CONSTANT, *_NAMED, *_CALL, "RESUME", "NOP", "RETURN_VALUE")
+    if name in dis.opmap
+}
 
 
 def real_array(

@@ -4,6 +4,7 @@ statement.
 
 import ast
 import linecache
+import os
 import sys
 import types
 from collections.abc import Callable, Iterator
@@ -17,12 +18,13 @@ from ecp.return_value import is_written
 from . import unused_libraries
 from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
-from .ending import ending
+from .ending import Cause, ending
+from .limits import no_shell
 from .nothing import NOTHING
 from .pieces import needed_sources, pieces
 from .place import Place
 from .scratch import end_if_full
-from .statements import Attempt, Cause, Statements
+from .statements import Attempt, Statements
 from .wire import Writer
 
 Names = dict[str, Any]
@@ -51,6 +53,11 @@ class Cells:
         self.statements = Statements(self._names, self._begin, left_out)
         self._budget = Budget(job["load_budget_s"])
         self._run_piece = self._in_shell(module) if job["notebook"] else self._as_script
+        first = job["cells"][0][0] if job["cells"] else ""
+        sys.argv = [first]
+        if first.endswith(".py"):  # a notebook has no __file__
+            self._names["__file__"] = first
+        os.system = no_shell
         self.shows = ""
         for name in NOTEBOOK_ONLY:
             setattr(ecp, name, NOTHING)
@@ -109,7 +116,7 @@ class Cells:
         self._write.event(
             "cell", cell=name, ended="timed-out", code="timeout", sentence=sentence + ONLY_DEFINITIONS
         )
-        self.statements.only_definitions = Cause(f"{name} stopped: {sentence}", "timeout")
+        self.statements.only_definitions = Cause(f"{name} stopped: {sentence}", "timeout", None)
         self._budget = Budget(DEFINITIONS_S)
 
     def _ended(self, error: BaseException) -> dict[str, Any]:
@@ -131,7 +138,6 @@ class Cells:
 
     def _as_script(self, source: str, name: str) -> None:
         """Run a piece of a Python file."""
-        self._names["__file__"] = name
         try:
             tree = ast.parse(source, name)
             future = [n for n in tree.body if isinstance(n, ast.ImportFrom) and n.module == "__future__"]

@@ -1,4 +1,4 @@
-"""The cells of a py:percent file, and those of them that define what a scene needs."""
+"""The cells of a jupytext file, percent or light, and those of them that define what a scene needs."""
 
 import itertools
 import re
@@ -8,16 +8,19 @@ from collections.abc import Collection, Iterable
 from ecp.notebook.names import names_in
 
 MARK = re.compile(r"^# %%", re.MULTILINE)
+LIGHT = re.compile(r"^# +format_name: light$", re.MULTILINE)  # in the header of the file
+LIGHT_MARK = re.compile(r"^# [+-](?= |$)", re.MULTILINE)
 MOST_PIECES = 500
 
 
 def pieces(source: str) -> list[str]:
-    """Split a py:percent file into its cells, so that one that fails does not affect the others. Line numbers
+    """Split a jupytext file into its cells, so that one that fails does not affect the others. Line numbers
     are kept.
 
     A valid Python file is not split if one of its cells is invalid: then a cell mark is part of a string.
     """
-    bounds = [0, *(mark.start() for mark in MARK.finditer(source)), len(source)]
+    marks = (LIGHT_MARK if LIGHT.search(source) else MARK).finditer(source)
+    bounds = [0, *(mark.start() for mark in marks), len(source)]
     if not 2 < len(bounds) <= MOST_PIECES:
         return [source]
     found = [

@@ -24,9 +24,8 @@ from .calls import LOADED, Channel
 from .cells import Cells, Stopped
 from .claims import PRIVATE as RECORDER
 from .claims import Recorder
-from .ending import ending
+from .ending import Cause, ending
 from .seal import Seal, in_place, names_used, private_modules
-from .statements import Cause
 from .wire import FILES, Questions, Writer, forget, kept
 from .zygote import KINDS_MODULE
 
@@ -130,9 +129,12 @@ def _run(
             continue
         absent = _missing(scene, student, job["variables"], cells.statements.causes)
         if absent and not _answers_without(scene, absent):
-            sentence, code = next(iter(absent.values()))
+            name, (sentence, code) = next(iter(absent.items()))
+            because = cells.statements.causes[name]._asdict() if name in cells.statements.causes else {}
+            because |= {"because": because.pop("sentence")} if because else {}
             write.event("start", scene=scene["name"])
-            write.event("scene", scene=scene["name"], ended="missing-function", code=code, sentence=sentence)
+            fields = because | {"sentence": sentence, "code": code}
+            write.event("scene", scene=scene["name"], ended="missing-function", **fields)
         elif _play(
             scene,
             plays,

@@ -19,10 +19,12 @@ from IPython.utils.text import SList
 from traitlets import Type
 
 from . import event_loop
+from .limits import no_shell
 from .magics import OwnMagics
 from .statements import Attempt
 
 MOST_AUTOMAGICS = 20  # lines of one cell
+INCOMPLETE_INPUT = 0x4000  # codeop.PyCF_ALLOW_INCOMPLETE_INPUT: "incomplete input" in place of the reason
 
 Attempts = Callable[[list[ast.stmt]], Iterator[Attempt]]
 
@@ -72,7 +74,7 @@ class Shell(InteractiveShell):
             shown = interactivity if attempt.last or interactivity == "all" else "none"
             own = ExecutionResult(None)
             if await super().run_ast_nodes([attempt.node], cell_name, shown, compiler, own):
-                attempt.error, failed = own.error_in_exec, True
+                attempt.error, failed = own.error_in_exec or own.error_before_exec, True
         return failed
 
     def init_profile_dir(self, profile_dir: Any) -> None:
@@ -108,7 +110,7 @@ class Shell(InteractiveShell):
 
     def system(self, cmd: str) -> None:
         """Say that there is no shell."""
-        print(f"the grader has no shell: `{cmd.strip()}` was not run")
+        no_shell(cmd)
 
     def getoutput(self, cmd: str, split: bool = True, depth: int = 0) -> Any:
         """Say that there is no shell, and return its empty answer."""
@@ -159,9 +161,15 @@ class _Hook(DisplayHook):
 
 
 class _Compiler(CachingCompiler):
-    """A compiler that gives the lines of the cell that runs the file name ``name``."""
+    """A compiler that gives the lines of the cell that runs the file name ``name``, and the errors that a
+    Python file gets.
+    """
 
     name = "cell"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.flags &= ~INCOMPLETE_INPUT
 
     def cache(self, transformed_code: str, number: int = 0, raw_code: str | None = None) -> str:
         """Return the name. The lines themselves are known by it already."""

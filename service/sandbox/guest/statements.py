@@ -4,26 +4,19 @@ import ast
 import re
 from collections.abc import Callable, Iterator
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any
 
 from ecp.notebook.cells import DEFINITION
 from ecp.notebook.names import names_in
-from ecp.return_value import describe_exception
 
 from .budget import OutOfTime
+from .ending import MOST_CAUSE, Cause, describe
 from .place import Place
 
 Names = dict[str, Any]
 # Definitions and assignments at the top level of a text that Python cannot parse.
 BINDING = re.compile(r"^(?:(?:async +)?def +|class +)?([^\W\d]\w*) *(?:[(:]|=(?!=))", re.MULTILINE)
 DEFINITIONS = (*DEFINITION, ast.Import, ast.ImportFrom)
-
-
-class Cause(NamedTuple):
-    """Why a name is missing: a sentence, and the diagnosis code of the failure."""
-
-    sentence: str
-    code: str | None
 
 
 class Statements:
@@ -94,8 +87,9 @@ class Statements:
         """Return how a cell ended, or if that follows from an earlier failure, how the first one ended."""
         if (earlier := self.cause(error)) is not None:
             return earlier
-        ended = describe_exception(error, lambda filename: False)
-        return Cause(f"{self.cell} stopped: {' '.join(str(ended['sentence']).split())}", ended["code"])
+        ended = describe(error)
+        sentence = f"{self.cell} stopped: {' '.join(str(ended['sentence']).split())}"
+        return Cause(sentence[:MOST_CAUSE], ended["code"], ended.get("traceback"))
 
     def _is_new_definition(self, node: ast.stmt) -> bool:
         return isinstance(node, DEFINITIONS) and not any(map(self._is_bound, _bound(node)))

@@ -50,6 +50,21 @@ def source(url, id):
     return stored
 
 
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [("MINE.IPYNB", 202), ("Mine.Py", 202), ("mine.py", 202), ("mine.txt", 422), ("mine", 422)],
+)
+def test_a_notebook_by_any_name_that_a_submission_may_have(app, url, full, name, status):
+    formed, answer = upload(app, full, name)
+    posted, _, other = post(app, {"source": full.decode(), "filename": name, "exercises": ["2"]})
+    other = json.loads(other)
+    assert formed == posted == status
+    if status == 202:
+        assert len(source(url, answer["id"])) < 20 * KIB and answer["sha256"] == other["sha256"]
+    else:
+        assert "if it holds Python, give it a name that ends in .py" in answer["detail"] == other["detail"]
+
+
 def test_a_notebook_with_outputs_is_stored_without_them(app, url, plain, full):
     assert 5 * MIB < len(full) < 16 * MIB
     status, formed = upload(app, full)

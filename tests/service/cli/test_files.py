@@ -56,7 +56,9 @@ def test_a_name_that_leads_nowhere(tree, name):
 def test_a_named_file_that_cannot_be_a_submission(tree):
     (tree / "README.md").write_text("# euler_eqs")
     with pytest.raises(
-        NoSubmissionFound, match=r"README\.md: cannot be a submission: name a \.py, \.ipynb or \.json file"
+        NoSubmissionFound,
+        match=r"README\.md: cannot be a submission: name a \.py, \.ipynb or \.json file; if it holds Python, "
+        r"rename it to end in \.py",
     ):
         find_files(["b.py", "README.md"])
     told = polhode("grade", "b.py", "README.md", "--assignment", "rigid-body")

@@ -27,6 +27,27 @@ def test_a_notebook_by_a_name_in_large_letters():
     assert Submission.from_bytes(notebook("x = 1"), "MINE.IPYNB").cells()[0].name == "cell 1"
 
 
+@pytest.mark.parametrize("name", ["mine.py", "MINE.PY", "mine", "mine.ipynb.json"])
+def test_a_notebook_by_another_name(name):
+    data = notebook("x = 1", outputs=[], metadata={"kernelspec": {"name": "python3"}})
+    submission = Submission.from_bytes(b"\n" + data, name)
+    assert [cell.name for cell in submission.cells()] == ["cell 1"] and submission.filename == name
+    assert "outputs" not in json.loads(submission.source)
+
+
+@pytest.mark.parametrize(
+    "source", ['{"cells": 3}', "{'cells': []}", '{"worksheets": []}', "{x: 1}", "[1, 2]"]
+)
+def test_python_that_looks_like_a_notebook(source):
+    (cell,) = Submission.from_bytes(source.encode(), "mine.py").cells()
+    assert (cell.name, cell.source) == ("submission.py", source)
+
+
+def test_python_by_the_name_of_a_notebook_says_what_to_do():
+    with pytest.raises(BadSubmission, match=r"save it in Jupyter, or, if it is Python, name it \.py$"):
+        Submission.from_bytes(b"x = 1", "Mine.Ipynb")
+
+
 def test_a_path_in_a_file_name_is_dropped():
     assert Submission.from_bytes(b"x = 1", "../../etc/cron.d/mine.py").filename == "mine.py"
 

@@ -15,6 +15,18 @@ EMPTY: dict[str, Any] = {"metadata": {}, "outputs": []}
 _LONE_SURROGATE = re.compile("[\ud800-\udfff]")  # JSON has it as an escape; UTF-8 cannot encode it
 
 
+def is_notebook(text: str, filename: str) -> bool:
+    """Return whether a file is a notebook: by its name, or by its text whatever its name is."""
+    if filename.lower().endswith(".ipynb"):
+        return True
+    if not text.lstrip().startswith("{"):
+        return False
+    try:
+        return isinstance(json.loads(text).get("cells"), list)
+    except (ValueError, RecursionError):
+        return False
+
+
 def strip_outputs(text: str) -> str:
     """Return a notebook without outputs, attachments and metadata; the same text if it has none of them.
 

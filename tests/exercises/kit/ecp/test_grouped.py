@@ -1,11 +1,14 @@
 """Failures grouped by diagnosis: what is counted, in which order, and how lines refer to it."""
 
 import re
+from dataclasses import replace
+
+import pytest
 
 from ecp.judge import RowsRight
-from ecp.outcome import Diagnosis
+from ecp.outcome import Diagnosis, Ended, SceneEnd
 from ecp.report_html import cause_list, html, outcome_item
-from tests.support.reports import outcome, report
+from tests.support.reports import TRACEBACK, outcome, report
 
 SIGN = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign", 1.0)
 ORDER = Diagnosis("cyclic-order", "ω̇₁ & ω̇₂ are swapped", 0.9)
@@ -36,9 +39,8 @@ def test_the_causes_come_first_those_that_explain_most_before_others():
     )
     below = "\n".join(exercises)
     assert below.count("cause 1: sign-flipped") == 3 and below.count("cause 2: cyclic-order") == 1
-    assert (
-        SIGN.sentence not in below and below.count(STOPPED.sentence) == 1
-    )  # in the line that was not measured
+    assert SIGN.sentence not in below and STOPPED.sentence not in below
+    assert "–  f   [not measured: see cause 3]\n" in below
 
 
 def test_a_single_failure_has_its_cause_first_and_no_header():
@@ -48,10 +50,69 @@ def test_a_single_failure_has_its_cause_first_and_no_header():
     )
 
 
-def test_a_line_that_states_its_cause_does_not_refer_to_it():
-    cause = f"f is not defined; cell 1 stopped with {STOPPED.sentence}"
-    text = report([outcome("a", "unmeasured", cause=cause, diagnosis=[STOPPED])]).text()
-    assert text.startswith("1. raises: ValueError: no\n") and "cause 1" not in text and "likely" not in text
+def unmeasured(id, cause, diagnosis=STOPPED, **more):
+    return outcome(id, "unmeasured", cause=cause, diagnosis=[diagnosis], **more)
+
+
+def test_a_line_that_states_its_cause_refers_to_it_in_its_place():
+    causes = ["f is not defined because ValueError: no", "g stopped with ValueError: no", "ValueError: no"]
+    text = report([unmeasured(str(k), cause) for k, cause in enumerate(causes)]).text()
+    assert text.startswith("One cause explains 3 checks not measured:\n1. raises: ValueError: no\n")
+    assert text.count("ValueError: no") == 1 and "likely" not in text
+    for line in ("f is not defined because of cause 1", "g stopped with cause 1", "see cause 1"):
+        assert f"[not measured: {line}]\n" in text
+
+
+def test_the_cause_has_the_line_that_raised_and_a_traceback_is_shown_once():
+    end = SceneEnd("probes", Ended.RAISED, "ZeroDivisionError: division by zero", "raises", TRACEBACK)
+    diagnosis = Diagnosis("raises", end.sentence, 1.0)
+    ends = [end, replace(end, scene="torque-free"), replace(end, scene="quiet", traceback=None)]
+    one = report([unmeasured("a", end.sentence, diagnosis)], scene_ends=ends)
+    text, page = one.text(), html(one)
+    assert (
+        "1. raises: ZeroDivisionError: division by zero\n     submission.py, line 3: return w / 0\n" in text
+    )
+    assert text.count("Traceback") == 0 and text.count('File "submission.py"') == 1
+    assert page.count("File &quot;submission.py&quot;") == 1
+    assert "<code>submission.py, line 3: return w / 0</code>" in page
+    assert page.count("division by zero") == 3  # the cause, the heading of the traceback, and its last line
+
+
+def test_what_follows_from_a_failure_is_grouped_under_it():
+    failure = "cell 2 stopped: NameError: name 'mass' is not defined"
+    ends = [
+        SceneEnd(
+            name, Ended.MISSING, f"{name} is not defined because {failure}", "raises", TRACEBACK, failure
+        )
+        for name in ("energy", "speed")
+    ]
+    checks = [unmeasured(end.scene, end.sentence, Diagnosis("raises", end.cause, 1.0)) for end in ends]
+    text = report(checks, scene_ends=ends).text()
+    assert text.startswith(
+        f"One cause explains 2 checks not measured:\n1. raises: {failure}\n     submission.py, line 3: return w / 0\n"
+    )
+    assert text.count(failure) == 2  # once more at the traceback
+
+
+@pytest.mark.parametrize(
+    ("traceback", "place"),
+    [
+        (None, ""),
+        ("ZeroDivisionError: division by zero\n", ""),
+        (
+            '  File "cell 3", line 2\n    return (\n           ^\nSyntaxError: no\n',
+            "cell 3, line 2: return (",
+        ),
+        ('  File "a.py", line 1, in <module>\n  File "b.py", line 7, in f\nNo: x\n', "b.py, line 7"),
+        (
+            '  File "/tmp/ipykernel_7/12.py", line 4, in f\n    return 1 / x\nNo: x\n  File "x", line 9\n',
+            "line 4: return 1 / x",
+        ),
+        ('  File "<ipython-input-3-ab>", line 5, in f\n    y\nNo\n', "line 5: y"),
+    ],
+)
+def test_the_last_line_of_a_traceback_with_its_place(traceback, place):
+    assert SceneEnd("f", Ended.RAISED, "No: x", "raises", traceback).raised_at() == place
 
 
 def test_one_check_with_two_diagnoses_is_counted_once():

@@ -12,6 +12,13 @@ EMPTY = [
     "'''TODO'''\n    return None\n    g(x)",
     "if False: g(x)",
     "pass; pass; ...",
+    "return ...",
+    "raise NotImplementedError",
+    "raise NotImplementedError()",
+    "raise NotImplementedError('Exercise 3: your code here')",
+    "'''TODO'''\n    raise NotImplementedError('write me') from None\n    return x",
+    "raise NotImplemented",
+    "return NotImplemented",
 ]
 WRITTEN = [
     "return 1",
@@ -19,6 +26,12 @@ WRITTEN = [
     "g(x)",
     "return x",
     "raise ValueError",
+    "raise ValueError('x')",
+    "raise",
+    "if x: raise NotImplementedError",
+    "return 'text'",
+    "return sin",
+    "return NotImplementedError('text')",
     "'''TODO'''\n    return x.y",
     "for _ in x: pass",
 ]

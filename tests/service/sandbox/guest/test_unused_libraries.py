@@ -200,3 +200,12 @@ def test_plays_integrate_without_importing_scipy(unused, sandbox):
 def test_what_is_printed_before_the_second_play_is_not_repeated(later):
     result = later.play(job(f"print('once')\n{USED['call']}"))
     assert result.stdout == "once\n"
+
+
+@pytest.mark.parametrize(("name", "imported"), [("submission.py", False), ("cell 1", True)])
+def test_only_a_notebook_is_graded_with_ipython(later, name, imported):
+    """Its import takes longer than the grading of a plain Python file."""
+    asks = "import sys\ndef f():\n    return float('IPy' 'thon' in sys.modules)\n"
+    result = later.play(replace(job(asks), cells=(Cell(name, asks),)))
+    assert result.arrays["one"]["x"] == imported
+    assert later.start().imported == ({"ipython"} if imported else frozenset())

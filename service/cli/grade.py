@@ -1,6 +1,7 @@
 """The command ``polhode grade``: grade files on this machine, without server or database.
 
-Exit codes: 0 if every check is ✓, 1 if not, 2 if a file was not graded because of a system fault.
+Exit codes: 0 if every line of every attempted exercise is ✓, 1 if not, 2 if a file was not graded because of
+a system fault.
 """
 
 import argparse

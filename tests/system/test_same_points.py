@@ -10,7 +10,8 @@ from service.grading.submission import Submission
 from tests.support.course_notebook import as_ipynb
 
 WRITTEN = {
-    "box_moments": "def box_moments(m, a, b, c):\n    return m / 12 * np.array([b*b + c*c, a*a + c*c, a*a + b*b])",
+    "box_moments": "def box_moments(m, a, b, c):\n"
+    "    return m / 12 * np.array([b*b + c*c, a*a + c*c, a*a + b*b])",
     "principal_moments": "principal_moments = np.linalg.eigvalsh",
     "euler_eqs": "def euler_eqs(t, w, I):\n    return np.cross(I * np.asarray(w), w) / I",
     "precession_rate": "def precession_rate(t, w):\n"

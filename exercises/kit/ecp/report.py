@@ -111,9 +111,10 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Return whether there is a check and all of them pass: one that is not measured has not passed."""
-        outcomes = self.outcomes()
-        return bool(outcomes) and all(outcome.verdict is Verdict.PASS for outcome in outcomes)
+        """Return whether there is a check with points and all checks pass, also those without points. One
+        that is not measured has not passed.
+        """
+        return bool(self.max_score) and all(outcome.verdict is Verdict.PASS for outcome in self.outcomes())
 
     def outcomes(self) -> list[Outcome]:
         """Return the outcomes of all exercises in order."""

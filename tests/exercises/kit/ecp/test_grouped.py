@@ -88,9 +88,8 @@ def test_what_follows_from_a_failure_is_grouped_under_it():
     ]
     checks = [unmeasured(end.scene, end.sentence, Diagnosis("raises", end.cause, 1.0)) for end in ends]
     text = report(checks, scene_ends=ends).text()
-    assert text.startswith(
-        f"One cause explains 2 checks not measured:\n1. raises: {failure}\n     submission.py, line 3: return w / 0\n"
-    )
+    assert text.startswith(f"One cause explains 2 checks not measured:\n1. raises: {failure}\n")
+    assert "     submission.py, line 3: return w / 0\n" in text
     assert text.count(failure) == 2  # once more at the traceback
 
 

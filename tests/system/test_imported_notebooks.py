@@ -64,7 +64,7 @@ def test_notebook_2_6_as_published_and_filled_in_prints_its_nine_lines(tmp_path,
     assert [outcome.line for outcome in made.outcomes()] == made.lines().split("\n")
     assert all(o.self_reported and not o.counted and o.points == o.earned == 0 for o in made.outcomes())
     assert "0 of 0 points (public checks: 0 of 0); 9 of 9 self-reported lines ✓" in made.text()
-    assert made.passed
+    assert not made.passed, "no check has points"
 
 
 def test_filled_in_every_line_is_judged(sums, sandbox):

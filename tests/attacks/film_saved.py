@@ -1,4 +1,4 @@
-"""Saves its film to files, by programs."""
+"""Saves its film to files outside of its folder, by programs."""
 
 # ends: any film
 import matplotlib.pyplot as plt
@@ -18,6 +18,6 @@ def written(film, name):
 def animate_precession(t, R, L):
     fig, ax = plt.subplots()
     film = FuncAnimation(fig, lambda k: (), frames=3)
-    for name in ("x.gif", "/tmp/x.gif", "x.png"):
+    for name in ("../x.gif", "/tmp/x.gif", "/dev/shm/x.png"):
         attempt(name, lambda name=name: written(film, name))
     return film

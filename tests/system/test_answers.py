@@ -132,23 +132,26 @@ def attempt(action):
 
 def total():
     assert sorted(os.listdir(".")) == ["points.csv", "runs"] and os.listdir("runs") == ["first.csv"]
-    done = attempt(lambda: open("points.csv", "r+")) + attempt(lambda: open("points.csv", "a"))
-    done += attempt(lambda: open("new.csv", "w")) + attempt(lambda: os.remove("points.csv"))
-    done += attempt(lambda: os.rename("points.csv", "b")) + attempt(lambda: os.mkdir("c"))
-    done += attempt(lambda: os.chmod("runs", 0o777)) + attempt(lambda: os.truncate("points.csv", 0))
-    done += attempt(lambda: os.symlink("points.csv", "d")) + attempt(lambda: os.link("points.csv", "e"))
-    done += attempt(lambda: open("../public/__init__.py")) + attempt(lambda: os.listdir(".."))
+    done = attempt(lambda: open("../public/__init__.py")) + attempt(lambda: os.listdir(".."))
     done += attempt(lambda: open(FOLDER + "/points.csv")) + attempt(lambda: open(FOLDER + "/plays.py"))
-    done += attempt(lambda: os.listdir(FOLDER))
+    done += attempt(lambda: os.listdir(FOLDER)) + attempt(lambda: open(FOLDER + "/points.csv", "a"))
     return POINTS.sum() + 3.0 + done
 """
 
 
-def test_data_files_can_be_read_and_nothing_else_and_not_written(lab, either_sandbox):
+def test_data_files_can_be_read_and_nothing_else(lab, either_sandbox):
     source = f"FOLDER = {os.fspath(lab.folder)!r}\n{ESCAPES}"
     report = grade(Submission(source), lab, either_sandbox, 1).report
     (outcome,) = report.outcomes()
     assert outcome.line == "✓  the sum of both files   [got 6 vs expected 6 (rtol=1e-12, atol=1e-12)]"
+
+
+def test_a_submission_changes_its_own_copy_of_a_data_file(lab, either_sandbox):
+    spoil = "with open('points.csv', 'w') as file:\n    file.write('7\\n')\n"
+    for source, mark in ((spoil + TOTAL, "✗"), (TOTAL, "✓")):
+        report = grade(Submission(source), lab, either_sandbox, 1).report
+        assert [outcome.line[0] for outcome in report.outcomes()] == [mark], report.text()
+    assert (lab.folder / "points.csv").read_text() != "7\n"
 
 
 def test_no_data_file_is_left_for_the_next_submission(lab, rigid_body, either_sandbox):

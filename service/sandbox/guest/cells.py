@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from typing import Any
 
-import ecp
 from ecp import animate
 from ecp.return_value import is_written
 
@@ -20,7 +19,6 @@ from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
 from .ending import Cause, ending
 from .limits import no_shell
-from .nothing import NOTHING
 from .pieces import needed_sources, pieces
 from .place import Place
 from .scratch import end_if_full
@@ -28,9 +26,6 @@ from .statements import Attempt, Statements
 from .wire import Writer
 
 Names = dict[str, Any]
-# Functions of the kit that do nothing here: a notebook that checks and submits itself must not do so while it
-# is graded.
-NOTEBOOK_ONLY = ("check", "connect", "login", "logout", "submissions", "submit")
 LEFT_OUT_EXIT = "sys.exit() was left out, and the code after it was run"
 DEFINITIONS_S = 1.0  # for the definitions that follow when the time of the cells is spent for good
 ONLY_DEFINITIONS = "; of the statements after it, only definitions were run"
@@ -59,8 +54,6 @@ class Cells:
             self._names["__file__"] = first
         os.system = no_shell
         self.shows = ""
-        for name in NOTEBOOK_ONLY:
-            setattr(ecp, name, NOTHING)
 
     def run(self, recorder: Recorder) -> None:
         """Run all cells in order and report those that fail. A failure does not stop the next cell.

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import ecp
 from ecp import animate
 from ecp.author_errors import AuthorError, author_error, checked_arrays
 from ecp.data_files import MODULES, use_modules
@@ -25,6 +26,7 @@ from .cells import Cells, Stopped
 from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ending import Cause, ending
+from .nothing import NOTHING
 from .seal import Seal, in_place, names_used, private_modules
 from .wire import FILES, Questions, Writer, forget, kept
 from .zygote import KINDS_MODULE
@@ -32,6 +34,9 @@ from .zygote import KINDS_MODULE
 Names = dict[str, Any]
 OWN_MODULES = Path(MODULES).absolute()  # of an assignment, among its data files, where the zygote starts
 
+# Functions of the kit that do nothing here: a notebook that checks and submits itself must not do so while it
+# is graded.
+NOTEBOOK_ONLY = ("check", "connect", "login", "logout", "submissions", "submit")
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
 INTEGRATION = "ecp.integration"
 PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", INTEGRATION)
@@ -277,9 +282,15 @@ def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], 
 
 
 def prepare(setup: types.CodeType) -> types.ModuleType:
-    """Return the main module of a notebook after its Setup cell, with the assignment's own modules."""
+    """Return the main module of a notebook after its Setup cell, with the assignment's own modules.
+
+    What belongs to a screen or a server does nothing in it.
+    """
     use_modules(OWN_MODULES)
+    for name in NOTEBOOK_ONLY:
+        setattr(ecp, name, NOTHING)
     module = types.ModuleType("__main__")
+    module.__dict__.update(display=NOTHING, get_ipython=NOTHING)
     exec(setup, module.__dict__)
     sys.modules["__main__"] = module
     return module

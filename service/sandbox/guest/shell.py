@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from IPython.core.compilerop import CachingCompiler
+from IPython.core.display_functions import display
 from IPython.core.displayhook import DisplayHook
 from IPython.core.history import HistoryManager
 from IPython.core.interactiveshell import ExecutionResult, InteractiveShell
@@ -54,6 +55,7 @@ class Shell(InteractiveShell):
         self.user_module, self.user_ns, self.attempts = module, module.__dict__, attempts
         self.home_dir = os.path.expanduser("~")  # of the child, not of the zygote
         self.init_user_ns()
+        self.user_ns["display"] = display
 
     def run(self, source: str, name: str) -> BaseException | None:
         """Run a cell, whose lines have the file name ``name``. Return the error if it cannot be parsed."""

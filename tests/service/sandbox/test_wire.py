@@ -245,7 +245,7 @@ def test_claims_are_taken_while_the_cells_run_up_to_a_number():
 
 
 def test_each_child_claims_the_same_again():
-    first, other = (read(*[CLAIM] * many)[1] for many in (2, 3))
+    first, other = (read(*[CLAIM] * many, DEFINED)[1] for many in (2, 3))
     first.add(other)
     assert len(first.claims) == 2
 

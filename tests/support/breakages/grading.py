@@ -59,8 +59,8 @@ GRADING = [
     Breakage(
         "pictures in a notebook's outputs count towards the size limit",
         "service/grading/submission.py",
-        "source = strip_outputs(source) if _is_notebook(filename) else source",
-        "strip_outputs(source) if _is_notebook(filename) else source",
+        "source = strip_outputs(source) if notebook else source",
+        "strip_outputs(source) if notebook else source",
         ("tests/service/grading/test_batch.py", "tests/service/api/test_parse_submission.py"),
     ),
     Breakage(
@@ -210,8 +210,8 @@ GRADING = [
     Breakage(
         "hidden checks are visible in Gradescope",
         "service/formats/gradescope.py",
-        'test["visibility"] = hidden if outcome.hidden else "visible"',
-        'test["visibility"] = "visible"',
+        'test["visibility"] = hidden if outcome.hidden else VISIBLE',
+        'test["visibility"] = VISIBLE',
         ("tests/service/formats/test_gradescope.py",),
     ),
     Breakage(

@@ -63,8 +63,8 @@ PHYSICS = [
     Breakage(
         "a value that is not finite hides the others",
         "exercises/kit/ecp/kinds/asking.py",
-        "if bad and (finite or len(bad) == len(values)):",
-        "if bad:",
+        "if len(wrong) == len(values):",
+        "if wrong:",
         ("tests/exercises/kinds/test_values.py::test_a_value_that_is_not_finite_fails_alone",),
     ),
     Breakage(

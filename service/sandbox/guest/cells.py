@@ -18,10 +18,10 @@ from . import unused_libraries
 from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
 from .ending import Cause, ending
-from .limits import no_shell
 from .pieces import needed_sources, pieces
 from .place import Place
 from .scratch import end_if_full
+from .shell_commands import run_command
 from .statements import Attempt, Statements
 from .wire import Writer
 
@@ -52,7 +52,7 @@ class Cells:
         sys.argv = [first]
         if first.endswith(".py"):  # a notebook has no __file__
             self._names["__file__"] = first
-        os.system = no_shell
+        os.system = run_command
         self.shows = ""
 
     def run(self, recorder: Recorder) -> None:

@@ -57,11 +57,14 @@ class OwnMagics:
         return None if line.strip() in EXTENSIONS else self._original("line", "load_ext", line)
 
     def _time(self, line: str, cell: str) -> None:
-        """Run the cell below. The empty line stands for the magic, so that the others keep their numbers."""
-        self._shell.run_cell(f"\n{cell}")
+        self._shell.run_cell(self._below(cell))
 
     def _capture(self, line: str, cell: str) -> Any:
-        return self._original("cell", "capture", line, f"\n{cell}")
+        return self._original("cell", "capture", line, self._below(cell))
+
+    def _below(self, cell: str) -> str:
+        """Return the text below a cell magic at its own lines, after empty ones."""
+        return "\n" * (self._shell.blank_lines + 1) + cell
 
     def _timeit(self, line: str, cell: str | None = None) -> Any:
         """Run a statement, or the cell below, once."""

@@ -81,6 +81,7 @@ class Scratch:
         os.environ |= {"HOME": self.path, "TMPDIR": self.path, "USER": USER, "LOGNAME": USER}
         if "tempfile" in sys.modules:
             vars(sys.modules["tempfile"])["tempdir"] = None  # found again when it is asked for
+        sys.addaudithook(_make_folder)
         sys.path.insert(0, "")
         sys.path_hooks.insert(0, self._finder)
         for name in ("chmod", "utime"):
@@ -144,6 +145,17 @@ def end_if_full() -> None:
     with suppress(Exception):  # a submission may have no descriptor left, or replace what this uses
         if any(scratch.is_full() for scratch in _own):
             os._exit(FULL)
+
+
+def _make_folder(event: str, arguments: tuple[Any, ...]) -> None:
+    """Make the folder of a file that is to be written: the student's disk may have one of that name."""
+    if event != "open" or not isinstance(arguments[0], str):
+        return
+    path, _, flags = arguments
+    folder = os.path.dirname(path)
+    if folder and not os.path.isabs(folder) and isinstance(flags, int) and flags & os.O_CREAT:
+        with suppress(OSError):
+            os.makedirs(folder, exist_ok=True)
 
 
 class _Finder(FileFinder):

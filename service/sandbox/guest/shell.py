@@ -20,8 +20,8 @@ from IPython.utils.text import SList
 from traitlets import Type
 
 from . import event_loop
-from .limits import no_shell
 from .magics import OwnMagics
+from .shell_commands import run_command
 from .statements import Attempt
 
 MOST_AUTOMAGICS = 20  # lines of one cell
@@ -40,6 +40,7 @@ class Shell(InteractiveShell):
 
     def __init__(self) -> None:
         self.attempts: Attempts = _all
+        self.blank_lines = 0  # at the beginning of the cell that runs
         super().__init__(ipython_dir="/", user_module=types.ModuleType("__main__"), colors="nocolor")
         self.db: dict[str, Any] = {}  # what a profile would keep: %cd and %bookmark use it
         assert self.display_formatter is not None
@@ -60,6 +61,7 @@ class Shell(InteractiveShell):
     def run(self, source: str, name: str) -> BaseException | None:
         """Run a cell, whose lines have the file name ``name``. Return the error if it cannot be parsed."""
         self.compile.name = name
+        self.blank_lines = _blank_lines(source)
         return self.run_cell(source, store_history=True).error_before_exec
 
     async def run_ast_nodes(
@@ -78,6 +80,10 @@ class Shell(InteractiveShell):
             if await super().run_ast_nodes([attempt.node], cell_name, shown, compiler, own):
                 attempt.error, failed = own.error_in_exec or own.error_before_exec, True
         return failed
+
+    def transform_cell(self, raw_cell: str) -> str:
+        """Return the cell as Python, with the blank lines that it begins with: lines keep their numbers."""
+        return "\n" * _blank_lines(raw_cell) + super().transform_cell(raw_cell)
 
     def init_profile_dir(self, profile_dir: Any) -> None:
         """Use no profile: it would be files."""
@@ -111,11 +117,11 @@ class Shell(InteractiveShell):
         raise SystemExit
 
     def system(self, cmd: str) -> None:
-        """Say that there is no shell."""
-        no_shell(cmd)
+        """Run what a command does here."""
+        run_command(cmd)
 
     def getoutput(self, cmd: str, split: bool = True, depth: int = 0) -> Any:
-        """Say that there is no shell, and return its empty answer."""
+        """Run what a command does here, and return its empty answer."""
         self.system(cmd)
         return SList() if split else ""
 
@@ -187,6 +193,10 @@ def _all(nodes: list[ast.stmt]) -> Iterator[Attempt]:
         yield (attempt := Attempt(node, last=node is nodes[-1]))
         if attempt.error is not None:
             return
+
+
+def _blank_lines(source: str) -> int:
+    return source.count("\n", 0, len(source) - len(source.lstrip()))
 
 
 def _plain(data: Any) -> str:

@@ -86,6 +86,27 @@ def test_an_escape_says_in_one_line_that_there_is_no_shell(escape, sandbox):
     assert line.startswith("the grader has no shell: `") and not played.cells and value(played) == 1
 
 
+@pytest.mark.parametrize(
+    "make_folder", ["!mkdir -p out/a", "import os\nos.system('mkdir out')", "%mkdir out", "x = 0"]
+)
+def test_a_file_is_written_in_a_folder_of_the_students_disk(make_folder, sandbox):
+    cells = [
+        make_folder,
+        "with open('out/b.txt', 'w') as file:\n    file.write('1')",
+        "x = int(open('out/b.txt').read())",
+    ]
+    played = sandbox.play(notebook(*cells))
+    assert not played.cells and value(played) == 1
+
+
+def test_lines_keep_their_numbers(sandbox):
+    played = sandbox.play(notebook("\n\n%%time\nx = 1\n1 / 0", "\n \ny = 2\nz", "x = 1"))
+    assert [end.traceback.splitlines()[0].strip() for end in played.cells.values()] == [
+        'File "cell 1", line 5, in <module>',
+        'File "cell 2", line 4, in <module>',
+    ]
+
+
 def test_display_prints_plain_text_and_a_value_prints_nothing(sandbox):
     played = sandbox.play(notebook("display({'a': 1})\n{'b': 2}", "{'c': 3}\nx = 1"))
     assert played.stdout == "{'a': 1}\n"

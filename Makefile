@@ -96,6 +96,7 @@ pictures: .venv/browser .venv/release  ## draw the pictures of the docs from a d
 bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, attacks by connections, pages, and other autograders
 	@$(CLEAN_ENV) $(BIN)/python -m bench.exact_speed
 	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
+	@$(CLEAN_ENV) $(BIN)/python -m bench.forms
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.notebook
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue

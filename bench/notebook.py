@@ -26,7 +26,6 @@ def main() -> None:
     """Measure and print one line per measurement. Grading and executing alternate."""
     grader = Grader(WarmSandbox(choose()))
     grader.ready()
-    RIGID_BODY.prepare()  # as a server does
     graded, plain, shown = [], [], []
     with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
         for seed in range(TIMES):

@@ -94,7 +94,6 @@ def record(file: Path) -> None:
     sandbox = Sandbox(choose("process", True))
     try:
         assignment = assignments()["rigid-body"]
-        assignment.prepare()
         graded = grade(Submission(SOURCE), assignment, sandbox, 7, ["2"])
     finally:
         sandbox.close()

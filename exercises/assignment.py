@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise, points
@@ -18,8 +17,6 @@ from ecp.report import out_of
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
 """The inputs of a function and the arrays it returned, by scene."""
-Ask = Callable[[Mapping[str, ArrayLike]], Arrays]
-"""Calls a play in the sandbox once, with real numbers and arrays by name, and returns its arrays."""
 
 
 class InvalidAssignment(Exception):
@@ -39,76 +36,12 @@ class ArraySpec:
     """An array that a scene may return, as ``float64`` or ``uint8``.
 
     It has exactly ``shape``. If ``up_to`` is set, every length but the last may be from one to that of
-    ``shape``. An array that is ``alone`` is returned in place of all others.
+    ``shape``.
     """
 
     shape: tuple[int, ...]
     dtype: str = "float64"
     up_to: bool = False
-    alone: bool = False
-
-
-@dataclass(frozen=True)
-class HostVerification:
-    """How the host verifies that a returned motion is the one that the student's function drives.
-
-    It accepts the motion if ``certified(inputs, seen, truth)`` holds for the scene ``proof``, in which the
-    function was called at single points, some along the exact motion. Otherwise ``follows(inputs, seen, ask,
-    rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
-    ``motion(inputs, ask)`` integrates all of it, or raises ArithmeticError or ValueError if it cannot.
-
-    A motion with drawn inputs is not played if ``bounded(inputs, truth, points, answers)`` returns arrays in
-    its place: the ``answers`` of the certified ``proof``, which is played ``twice``, to the ``points`` that
-    ``along(inputs, rng)`` draws on the exact motion, bound the motion's error. It returns None if they do
-    not.
-
-    Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` once in the
-    sandbox, with a float for a number and float64 arrays for the others, and returns the arrays ``returns``.
-    """
-
-    proof: str
-    certified: Callable[[Inputs, Arrays, Arrays], bool]
-    follows: Callable[[Inputs, Arrays, Ask, np.random.Generator], bool]
-    motion: Callable[[Inputs, Ask], Arrays]
-    play: str
-    returns: Mapping[str, ArraySpec]
-    along: Callable[[Inputs, np.random.Generator], Inputs] | None = None
-    bounded: Callable[[Inputs, Arrays, Inputs, Arrays], Arrays | None] | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Recording:
-    """A result of a scene: the arguments of all ``calls`` of a function (n, …), what it ``returned`` (n, …),
-    and the ``arrays``.
-    """
-
-    calls: NDArray[np.float64]
-    returned: NDArray[np.float64]
-    arrays: Arrays
-
-
-@dataclass(eq=False)
-class Recorded:
-    """Results of a scene with fixed inputs for common right functions. A function that repeats one of them
-    need not compute it.
-
-    ``make()`` returns the ``recordings``. That takes a while, so a server calls ``prepare`` before it grades,
-    and until then there are none. The play gets their calls as the input ``recorded``, and as ``sample`` what
-    ``sample(recordings, rng)`` draws for each submission: by which calls to recognise them. It returns the
-    number of a recording as ``recorded`` in place of its arrays.
-    """
-
-    make: Callable[[], Sequence[Recording]]
-    sample: Callable[[Sequence[Recording], np.random.Generator], Inputs]
-    recordings: tuple[Recording, ...] = ()
-
-    def prepare(self) -> None:
-        """Make the recordings."""
-        self.recordings = tuple(self.make())
-
-    def recall(self, number: Any) -> Recording | None:
-        """Return the recording of this number, or None if there is none."""
-        return next((recording for k, recording in enumerate(self.recordings) if number == k), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,10 +63,7 @@ class Scene:
     The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs
     run along its rows in their first index.
 
-    ``recorded`` are results of right functions, which a play need not compute.
-
-    A scene played ``twice`` repeats its queries in another order in a second process: inputs and answers then
-    run along the queries in their first index, and the answers must agree bit for bit.
+    Inputs that are ``withheld`` stay on the host: only ``truth`` gets them.
     """
 
     name: str
@@ -145,12 +75,10 @@ class Scene:
     budget_s: float
     after: str | None = None
     known: tuple[str, ...] = ()
-    twice: bool = False
-    drive: HostVerification | None = None
     replaced: Callable[[Inputs, Arrays], Inputs | str | None] | None = None
     needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
-    recorded: Recorded | None = None
+    withheld: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -246,15 +174,9 @@ class Assignment:
         """Return the scene of that name. Raises StopIteration if there is none."""
         return next(s for s in self.scenes if s.name == name)
 
-    def prepare(self) -> None:
-        """Compute what makes later gradings faster and changes no report."""
-        for scene in self.scenes:
-            if scene.recorded is not None:
-                scene.recorded.prepare()
-
     def hidden(self, check: Check) -> bool:
-        """Return whether a check reads a scene with random inputs."""
-        return any(callable(self.scene(name).inputs) for name in check.scenes)
+        """Return whether a check is about a scene with random inputs: the first that it reads."""
+        return any(callable(self.scene(name).inputs) for name in check.scenes[:1])
 
     def exercise(self, number: str) -> Exercise:
         """Return the exercise of that number. Raises KeyError if there is none."""

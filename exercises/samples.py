@@ -16,9 +16,8 @@ class Sample:
     """A file with its expected report: a verdict for every check of the graded exercises, and the diagnosis
     codes.
 
-    If anything is wrong, the checks in ``drawn``, of random motions, have no expected verdict. ``ask`` are
-    the exercises to grade; None: those the file attempts. Samples marked ``demo`` are submitted by ``make
-    demo``.
+    The checks in ``any`` have no expected verdict: it depends on what is drawn. ``ask`` are the exercises to
+    grade; None: those the file attempts. Samples marked ``demo`` are submitted by ``make demo``.
     """
 
     file: Path
@@ -26,7 +25,7 @@ class Sample:
     verdicts: dict[str, Verdict]
     codes: frozenset[str]
     demo: bool
-    drawn: frozenset[str]
+    any: frozenset[str]
 
     def unexpected(self, report: Mapping[str, Any]) -> list[str]:
         """Return the differences of a report, as JSON, from the expected one, one sentence each."""
@@ -47,7 +46,7 @@ class Sample:
         """
         got = _verdicts_of(report)
         found = {id: v for id, v in self.verdicts.items() if got.get(id) != v}
-        return found | {id: None for id in got if id not in self.verdicts and id not in self.drawn}
+        return found | {id: None for id in got if id not in self.verdicts and id not in self.any}
 
 
 @dataclass(frozen=True)
@@ -103,22 +102,19 @@ def samples(assignment: Assignment) -> list[Sample]:
 
 
 def _sample(assignment: Assignment, file: Path, entry: Mapping[str, Any]) -> Sample:
-    """Return the sample of an entry. Wrong equations may pass, fail or stall on random motions, depending on
-    the motion.
-    """
+    """Return the sample of an entry."""
     checks = [c for number in entry["exercises"] for c in assignment.exercise(number).checks]
-    random = {s.name for s in assignment.scenes if s.drive is not None and callable(s.inputs)}
-    drawn = {c.id for c in checks if random & set(c.scenes)}
     wrong = dict.fromkeys(entry.get("fail", ()), Verdict.FAIL) | dict.fromkeys(
         entry.get("unmeasured", ()), Verdict.UNMEASURED
     )
-    left_out = set(entry.get("left_out", ())) | (drawn if wrong else set())
+    drawn = frozenset(entry.get("any", ()))
+    left_out = {*entry.get("left_out", ()), *drawn}
     verdicts = {c.id: wrong.get(c.id, Verdict.PASS) for c in checks if c.id not in left_out}
     named, demo = frozenset(entry.get("codes", ())), bool(entry.get("demo", False))
-    return Sample(file, entry.get("ask"), verdicts, named, demo, frozenset(drawn))
+    return Sample(file, entry.get("ask"), verdicts, named, demo, drawn)
 
 
-LISTS = ("ask", "exercises", "left_out", "fail", "unmeasured", "codes")
+LISTS = ("ask", "exercises", "left_out", "fail", "unmeasured", "any", "codes")
 HEAD = (
     "# Expected verdicts of the samples: for each file the exercises asked for (ask; none: those it attempts)"
     " and graded (exercises),\n"
@@ -180,7 +176,7 @@ def _errors(assignment: Assignment, entry: Any) -> Iterator[str]:
         for n in sorted({*entry.get("exercises", ()), *entry.get("ask", ())} - set(numbers))
     )
     made = {c.id for n in entry.get("exercises", ()) if n in numbers for c in numbers[n].checks}
-    listed = [id for key in ("fail", "unmeasured", "left_out") for id in entry.get(key, ())]
+    listed = [id for key in ("fail", "unmeasured", "left_out", "any") for id in entry.get(key, ())]
     yield from (f"its exercises have no check {id}" for id in sorted(set(listed) - made))
     yield from (
         f"the check {id} is listed more than once"

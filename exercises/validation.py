@@ -175,19 +175,11 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
     for at, scene in enumerate(assignment.scenes):
         if scene.after is not None and scene.after not in names[:at]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
-        if scene.drive is not None and scene.drive.proof not in names[:at]:
-            yield f"scene {scene.name} is verified by {scene.drive.proof}, which is not declared before it"
-        if (scene.twice or scene.drive) and scene.function in assignment.variables():
-            yield (
-                f"scene {scene.name}: {scene.function} is a variable, which cannot be called, neither twice"
-                " nor by the host"
-            )
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *(sweep.scene for sweep in assignment.sweeps)]:
-        for play in (scene.play, *([scene.drive.play] if scene.drive else [])):
-            if play not in plays:
-                yield f"scene {scene.name}: plays.py has no function {play}"
+        if scene.play not in plays:
+            yield f"scene {scene.name}: plays.py has no function {scene.play}"
 
 
 @functools.lru_cache(maxsize=8)

@@ -1,8 +1,11 @@
 """The declaration of notebook 2.6: six exercises of its own."""
 
+from dataclasses import replace
+
 from exercises.author import Notebook
+from exercises.rigid_body.bounds import with_bound
 from exercises.rigid_body.causes import CODES, diagnose_function, diagnose_scene
-from exercises.rigid_body.hidden_checks import HIDDEN
+from exercises.rigid_body.hidden_checks import FOLLOWING, HIDDEN
 from exercises.rigid_body.public import EXERCISES
 from exercises.rigid_body.scenes import SCENES
 from exercises.rigid_body.sweep import SWEEP
@@ -17,4 +20,5 @@ notebook = Notebook(
     codes=CODES,
 )
 for exercise in EXERCISES:
-    notebook.own_exercise(exercise, *HIDDEN[exercise.number])
+    checks = [with_bound(check) if check.id in FOLLOWING else check for check in exercise.checks]
+    notebook.own_exercise(replace(exercise, checks=checks), *HIDDEN[exercise.number])

@@ -101,9 +101,9 @@ def are_apart(moments: Array) -> bool:
     return bool(min(middle - least, greatest - middle) > APART * greatest)
 
 
-def general(angle: float, n: int, orientation: bool, rng: Rng) -> Inputs:
+def general(angle: float, orientation: bool, rng: Rng) -> Inputs:
     """Draw a general motion over ``angle`` in rad, with its attitude if ``orientation`` is set."""
-    return _inputs(_spin(rng), body(rng), angle, n, orientation)
+    return _inputs(_spin(rng), body(rng), angle, orientation)
 
 
 def about_axis(side: int, rng: Rng) -> Inputs:
@@ -119,7 +119,7 @@ def about_axis(side: int, rng: Rng) -> Inputs:
         )
 
     spins = (_spin(rng) for _ in itertools.count())
-    return _inputs(next(w0 for w0 in spins if side * excess(w0) > OFF_SEPARATRIX), moments, 20.0, 300)
+    return _inputs(next(w0 for w0 in spins if side * excess(w0) > OFF_SEPARATRIX), moments, 20.0)
 
 
 def symmetric(rng: Rng) -> Inputs:
@@ -130,12 +130,12 @@ def symmetric(rng: Rng) -> Inputs:
     """
     equal = rng.uniform(0.5, 3.0)
     third = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
-    return _inputs(_spin(rng), np.array([equal, equal, third]), 20.0, 300)
+    return _inputs(_spin(rng), np.array([equal, equal, third]), 20.0)
 
 
 def sphere(rng: Rng) -> Inputs:
     """Draw a body with three equal moments, whose ω is constant."""
-    return _inputs(_spin(rng), np.full(3, rng.uniform(0.5, 3.0)), 10.0, 100)
+    return _inputs(_spin(rng), np.full(3, rng.uniform(0.5, 3.0)), 10.0)
 
 
 def tumble(rng: Rng) -> Inputs:
@@ -150,7 +150,7 @@ def tumble(rng: Rng) -> Inputs:
         if (
             path.min() / spin < -0.9 and path.max() / spin > 0.9
         ):  # with other signs it first comes nearer to the axis
-            return _inputs(w0, moments, 0.0, 400) | {"t_end": float(t_end)}
+            return _inputs(w0, moments, 0.0) | {"t_end": float(t_end)}
 
 
 def _spin(rng: Rng) -> Array:
@@ -158,20 +158,21 @@ def _spin(rng: Rng) -> Array:
     return np.asarray(rng.uniform(0.8, 4.0) * direction / np.linalg.norm(direction))
 
 
-def _inputs(w0: Array, moments: Array, angle: float, n: int, orientation: bool = False) -> dict[str, Any]:
+def _inputs(w0: Array, moments: Array, angle: float, orientation: bool = False) -> dict[str, Any]:
     t_end = float(angle / np.linalg.norm(w0))
-    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": t_end, "n": n, "orientation": orientation}
+    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": t_end, "orientation": orientation}
 
 
-DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
-    "drawn-long": (partial(general, 60.0, 600, False), 600, False),
-    "drawn-least": (partial(about_axis, -1), 300, False),
-    "drawn-greatest": (partial(about_axis, 1), 300, False),
-    "drawn-symmetric": (symmetric, 300, False),
-    "drawn-sphere": (sphere, 100, False),
-    "drawn-tumble": (tumble, 400, False),
-    "drawn-attitude": (partial(general, 20.0, 120, True), 120, True),
+DRAWN: dict[str, Callable[[Rng], Inputs]] = {
+    "long": partial(general, 60.0, False),
+    "least": partial(about_axis, -1),
+    "greatest": partial(about_axis, 1),
+    "symmetric top": symmetric,
+    "sphere": sphere,
+    "tumble": tumble,
+    "attitude": partial(general, 20.0, True),
 }
+"""Motions that are not integrated: ``euler_eqs`` is asked for its value at points along them."""
 
 
 def uneven(rng: Rng) -> tuple[Array, float]:

@@ -5,7 +5,6 @@ Each play takes the submission's names and a scene's inputs and returns arrays b
 integrator, bound before the submission runs, so that replacing ``solve_ivp`` changes nothing here.
 """
 
-import hashlib
 import math
 import re
 import time
@@ -25,8 +24,6 @@ RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
 UNBOUNDED = 30.0  # times the first |ω|; energy conservation allows √(largest / smallest moment), under 6 here
 CALLED = ("t", "w", "I")
 FLOAT, SPIN = np.dtype(float), (3,)
-EVERY = 4  # calls of a recorded motion, of which one is repeated; an integration step has 12
-FIRST_CALLS = 16  # of those repeated, after which most other functions have returned something else
 TIMED = 500
 OVERWRITES = (
     "euler_eqs returns the same array at each call and overwrites it: SciPy's DOP853 alone is off by 5e-4 "
@@ -91,16 +88,8 @@ def _equal(a, b):
 def trajectory(student, inputs):
     """Integrate the motion that ``euler_eqs`` drives: ω alone, or with the attitude if ``orientation`` is
     set.
-
-    If the function repeats one of the motions whose calls are ``recorded`` among the inputs, return its
-    number instead.
     """
     function = student["euler_eqs"]
-    if "recorded" in inputs:
-        offsets, digests = inputs["sample"]["offsets"], inputs["sample"]["digests"]
-        for number, motion in enumerate(zip(inputs["recorded"], digests, strict=True)):
-            if _repeats(function, inputs["I"], offsets, *motion):
-                return {"recorded": number}
     times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
     start, rates, calls = driven(function, inputs)
     try:
@@ -114,27 +103,6 @@ def trajectory(student, inputs):
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
-def _repeats(function, moments, offsets, packed, digests):
-    """Return whether ``function`` returns what was recorded, bit for bit, at a sample of the calls of a
-    recorded integration.
-
-    ``packed`` are its calls (n, 4) as bytes, ``digests`` those of what was returned at first, and in all.
-    """
-    calls, returned = sampled(np.frombuffer(packed).reshape(-1, 4), offsets), []
-    I, (first, all) = np.asarray(moments, dtype=float), digests
-    for t, spin in zip(calls[:, 0].tolist(), calls[:, 1:], strict=True):
-        returned.append(_rate(function(t, spin.copy(), I.copy())).tobytes())
-        if len(returned) == FIRST_CALLS and hashlib.sha256(b"".join(returned)).hexdigest() != first:
-            return False
-    return hashlib.sha256(b"".join(returned)).hexdigest() == all
-
-
-def sampled(rows, offsets):
-    """Return one of every EVERY rows (n, m): that with its offset among ``offsets``, or the last one."""
-    groups = math.ceil(len(rows) / EVERY)
-    return rows[np.minimum(EVERY * np.arange(groups) + offsets[:groups], len(rows) - 1)]
-
-
 def _rate(answer):
     """Return what ``euler_eqs`` returned as float64 of shape (3,): itself in the common case, as
     ``real_array`` takes longer.
@@ -142,13 +110,6 @@ def _rate(answer):
     if type(answer) is np.ndarray and answer.dtype is FLOAT and answer.shape == SPIN:
         return answer
     return real_array(answer, SPIN, "euler_eqs")
-
-
-def rate(student, inputs):
-    """Return ``euler_eqs`` at one point."""
-    return {
-        "wdot": real_array(student["euler_eqs"](inputs["t"], inputs["w"], inputs["I"]), (3,), "euler_eqs")
-    }
 
 
 def driven(function, inputs):

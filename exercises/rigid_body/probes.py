@@ -7,58 +7,108 @@ differently, so the tolerance is relative to the largest product Iω² of the po
 
 import functools
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 import reference
 from exercises.assignment import Inputs
-from exercises.rigid_body.draws import Rng, body, signs
+from exercises.rigid_body.draws import DRAWN, Rng, body, signs
 from exercises.rigid_body.public.quantities import Array
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
-PROBES, REPEATS, RETIMED, NODES = (
-    len(ORDERS) * len(OCTANTS),
-    8,
-    8,
-    10,
-)  # random; repeated; at another time; along each motion
-# along a motion that is not integrated: they miss no stretch longer than 1/64 of it, about two integration
-# steps
+PROBES = len(ORDERS) * len(OCTANTS)  # random points
+REPEATS, RETIMED = 8, 8  # of these: repeated, and at another time
+NODES = 10  # along each motion that is integrated
+# along a motion that is not: they miss no stretch longer than 1/64 of it, about two integration steps
 ALONG = 128
 SPECIAL, MASS = 20, 6.0  # special points; of their bodies and of the random ones, in kg
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
+SENSED = 60  # times at which a motion's sensitivity is evaluated
 AT_REST = 1e-20  # rad/s², the scale at ω = 0, where a right rate is exactly zero
 
 
-def number_of_points(motions: int) -> int:
-    """Return the number of points if some lie along ``motions`` exact motions."""
-    return PROBES + REPEATS + RETIMED + SPECIAL + NODES * motions
+class Motion(NamedTuple):
+    """A motion with its start ``w0`` (3,), moments ``I`` (3,) and duration ``t_end``, with or without its
+    attitude.
+    """
+
+    w0: tuple[float, ...]
+    I: tuple[float, ...]
+    t_end: float
+    orientation: bool
+
+    @classmethod
+    def of(cls, inputs: Inputs) -> "Motion":
+        """Return the motion of a scene's inputs."""
+        return cls(tuple(inputs["w0"]), tuple(inputs["I"]), inputs["t_end"], inputs["orientation"])
 
 
-def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
+def number_of_points(integrated: int) -> int:
+    """Return the number of points for so many motions that are integrated."""
+    return PROBES + REPEATS + RETIMED + SPECIAL + NODES * integrated + ALONG * len(DRAWN)
+
+
+def draw(rng: Rng, integrated: Mapping[str, Inputs]) -> Inputs:
     """Return points in random order: ``t`` (n,) in s, ``w`` (n, 3) in rad/s, ``I`` (n, 3) in kg m².
 
-    Some random points are repeated, some at another time. Others lie along ``motions``.
+    Some random points are repeated, some at another time. Others lie along the motions ``integrated`` and
+    those that are drawn: ``motions`` are these by name, ``rows`` the indices of their points.
     """
     rows = _timed([_random(rng, order, octant) for order in ORDERS for octant in OCTANTS], rng)
     again = rng.permutation(PROBES)[: REPEATS + RETIMED]
     retimed = rows[again[REPEATS:]].copy()
     retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
-    along = [_along(motion, rng) for motion in motions]
-    rows = rng.permutation(
-        np.concatenate([rows, rows[again[:REPEATS]], retimed, _timed(_special(rng), rng), *along])
-    )
-    return _columns(rows)
+    motions = {name: Motion.of(inputs) for name, inputs in integrated.items()}
+    drawn = {name: Motion.of(draw(rng)) for name, draw in DRAWN.items()}
+    along = [_along(motion, np.sort(rng.uniform(size=NODES)), rng) for motion in motions.values()]
+    along += [
+        _along(motion, (np.arange(ALONG) + rng.uniform(size=ALONG)) / ALONG, rng) for motion in drawn.values()
+    ]
+    others = [rows, rows[again[:REPEATS]], retimed, _timed(_special(rng), rng)]
+    parts = [*others, *along]
+    order = rng.permutation(sum(map(len, parts)))
+    which = np.repeat(np.arange(len(parts)) - len(others), [len(part) for part in parts])[order]
+    t, w, I = np.split(np.concatenate(parts)[order], (1, 4), axis=1)
+    places = {name: np.flatnonzero(which == k) for k, name in enumerate(motions | drawn)}
+    return {"t": t[:, 0], "w": w, "I": I, "motions": motions | drawn, "rows": places}
 
 
 def exact(inputs: Inputs) -> Mapping[str, Array]:
-    """Return the rates ``wdot`` (n, 3), the ``scale`` (n, 3) of their rounding, and the points themselves as
-    ``at_w`` and ``at_I``.
+    """Return the rates ``wdot`` (n, 3), the ``scale`` (n, 3) of their rounding, the points themselves as
+    ``at_w`` and ``at_I``, and what ``bounds.py`` needs of each motion.
     """
     w, I = np.asarray(inputs["w"], dtype=float), np.asarray(inputs["I"], dtype=float)
     rates = reference.euler_rhs(w.T, I.T).T
-    return {"wdot": rates, "exact": rates, "scale": scale(w, I), "at_w": w, "at_I": I}
+    found = {"wdot": rates, "exact": rates, "scale": scale(w, I), "at_w": w, "at_I": I}
+    for name, motion in inputs["motions"].items():
+        found |= {f"{name}: rows": inputs["rows"][name]}
+        found |= {f"{name}: {quantity}": value for quantity, value in sensitivity(motion).items()}
+    return found
+
+
+@functools.lru_cache(maxsize=64)  # the integrated motions are those of every submission
+def sensitivity(motion: Motion) -> Mapping[str, Array]:
+    """Return the sensitivity ``kappa`` of a motion to errors, its counterpart ``duration`` in s, the initial
+    ``speed`` in rad/s, the ``angle`` in rad turned at it, and ``turned``: how much larger the error of the
+    attitude is, if that is asked for.
+    """
+    kappa, duration = reference.sensitivities(motion.w0, motion.I, motion.t_end, SENSED)
+    speed = float(np.linalg.norm(motion.w0))
+    angle = speed * motion.t_end
+    found = {"kappa": kappa, "duration": duration, "speed": speed, "angle": angle}
+    found["turned"] = max(1.0, angle) if motion.orientation else 1.0
+    return {name: np.array(value) for name, value in found.items()}
+
+
+def without_drawn(inputs: Inputs, answers: Array) -> tuple[Inputs, Array]:
+    """Return points and answers without those along drawn motions, of which there are so many that they
+    would hide where a function is right.
+    """
+    along = np.concatenate([inputs["rows"][name] for name in DRAWN])
+    others = np.setdiff1d(np.arange(len(answers)), along)
+    return {name: inputs[name][others] for name in ("t", "w", "I")}, answers[others]
 
 
 def scale(w: Array, I: Array) -> Array:
@@ -104,26 +154,11 @@ def _timed(points: list[tuple[Array, Array]], rng: Rng) -> Array:
     return np.column_stack([rng.uniform(0.0, 20.0, len(points)), spins, moments])
 
 
-def along(motion: Inputs, rng: Rng) -> Inputs:
-    """Return points on an exact motion, one at a random time of each of ALONG equal intervals."""
-    times = (np.arange(ALONG) + rng.uniform(size=ALONG)) * motion["t_end"] / ALONG
-    return _columns(_at(motion, times, rng))
-
-
-def _columns(rows: Array) -> Inputs:
-    return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
-
-
-def _along(motion: Inputs, rng: Rng) -> Array:
-    return _at(motion, rng.uniform(0.0, motion["t_end"], NODES), rng)
-
-
-def _at(motion: Inputs, times: Array, rng: Rng) -> Array:
-    w = _exact(tuple(motion["w0"]), tuple(motion["I"])).omega(times)
-    unrelated = rng.uniform(
-        0.0, motion["t_end"], len(times)
-    )  # not the motion's own times, which would identify the points
-    return np.column_stack([unrelated, w.T, np.tile(motion["I"], (len(times), 1))])
+def _along(motion: Motion, parts: Array, rng: Rng) -> Array:
+    """Return points on an exact motion after these ``parts`` (n,) of its duration."""
+    w = _exact(motion.w0, motion.I).omega(parts * motion.t_end)
+    unrelated = rng.uniform(0.0, motion.t_end, len(parts))  # its own times would identify the points
+    return np.column_stack([unrelated, w.T, np.tile(motion.I, (len(parts), 1))])
 
 
 @functools.lru_cache(maxsize=32)  # the fixed motions are those of every submission

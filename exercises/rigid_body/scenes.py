@@ -2,7 +2,7 @@
 answer.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +12,6 @@ import reference
 from exercises.assignment import ArraySpec, Inputs, Scene
 from exercises.kinds.animation import RECORDING
 from exercises.rigid_body import draws, probes
-from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
 from exercises.rigid_body.public.quantities import (
     BODY,
@@ -24,10 +23,8 @@ from exercises.rigid_body.public.quantities import (
     TORQUE_FREE,
     Array,
 )
-from exercises.rigid_body.recorded import recorded
 
 BOOK = reference.box_moments(*BOX)
-SENSED = 60  # times at which a motion's sensitivity is evaluated
 
 
 def _same_energy(*direction: float) -> tuple[float, ...]:
@@ -42,7 +39,18 @@ def _trajectory(
     name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False
 ) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
-    return replace(_motion(name, inputs, n, orientation), recorded=recorded(inputs))
+    returns = {"w": ArraySpec((3, n))} | ({"R": ArraySpec((n, 3, 3))} if orientation else {})
+    return Scene(
+        name,
+        "trajectory",
+        "euler_eqs",
+        inputs,
+        returns,
+        _exact_motion,
+        budget_s=12.0,
+        after="probes",
+        known=("t",),
+    )
 
 
 def _spin(name: str, axis: int) -> Scene:
@@ -55,39 +63,21 @@ def _spin(name: str, axis: int) -> Scene:
     )
 
 
-def _motion(
-    name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs], n: int, orientation: bool
-) -> Scene:
-    returns = {"w": ArraySpec((3, n))} | ({"R": ArraySpec((n, 3, 3))} if orientation else {})
-    return Scene(
-        name,
-        "trajectory",
-        "euler_eqs",
-        inputs,
-        returns,
-        _exact_motion,
-        budget_s=12.0,
-        after="probes",
-        known=("t",),
-        drive=DRIVE,
-    )
-
-
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
     """Return times, ω and R, the sensitivity κ to errors, its counterpart in s, and the angle in rad turned
     at the initial rate.
     """
     w0, I, times = inputs["w0"], inputs["I"], np.linspace(0.0, inputs["t_end"], inputs["n"])
     exact = reference.motion(w0, I, times, need="orientation" if inputs["orientation"] else "omega")
-    angle = float(np.linalg.norm(w0)) * inputs["t_end"]
-    kappa, duration = map(np.array, reference.sensitivities(w0, I, inputs["t_end"], SENSED))
-    known = {"kappa": kappa, "duration": duration, "angle": np.array(angle)}
-    return {"t": exact.t, "w": exact.w} | known | ({} if exact.R is None else {"R": exact.R})
+    known = probes.sensitivity(probes.Motion.of(inputs))
+    return {"t": exact.t, "w": exact.w, **known} | ({} if exact.R is None else {"R": exact.R})
 
 
 def _probes(rng: np.random.Generator) -> Inputs:
     """Draw the points of probes.py, some of them along the fixed motions."""
-    return probes.draw(rng, [motion.inputs for motion in TRAJECTORIES if not callable(motion.inputs)])
+    return probes.draw(
+        rng, {motion.name: motion.inputs for motion in TRAJECTORIES if not callable(motion.inputs)}
+    )
 
 
 def _exact_boxes(inputs: Inputs) -> Mapping[str, Array]:
@@ -219,10 +209,9 @@ SCENES = (
         probes.exact,
         2.0,
         known=("exact", "at_w", "at_I"),
-        twice=True,
+        withheld=("motions", "rows"),
     ),
     *TRAJECTORIES,
-    *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in draws.DRAWN.items()),
     *(
         Scene(name, "precession", "precession_rate", given, {"rate": ArraySpec(())}, _exact_precession, 1.0)
         for name, given in draws.TURNING.items()

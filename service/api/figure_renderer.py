@@ -45,7 +45,7 @@ class Renderer:
         with contextlib.suppress(RenderFailed, SystemFault):  # the first figure reports it
             await self._call(rendering.prepare, slug)
 
-    async def figure(self, stored: SubmissionRecord, name: str, packed: list[bytes], form: str) -> bytes:
+    async def figure(self, stored: SubmissionRecord, name: str, packed: bytes, form: str) -> bytes:
         """Return a figure of a graded submission as PNG or SVG.
 
         Raises ArithmeticError or ValueError if its numbers cannot be drawn.

@@ -11,12 +11,13 @@ from service.api.figure_renderer import Renderer, RenderFailed
 from service.api.submissions import Submission, find_assignment, report_of
 from service.grading.rendering import FORMATS
 from service.grading.rendering import find as find_figure
+from service.grading.result import ARRAYS
 from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems
 from service.http.state import Db, Held
 from service.store import sweeps
-from service.store.artefacts import find_arrays, find_artefact, store_artefacts
+from service.store.artefacts import find_artefact, store_artefacts
 from service.store.records import SubmissionRecord
 
 router = APIRouter(tags=["Figures"])
@@ -43,7 +44,7 @@ async def figure(
     if name not in names or find_figure(await find_assignment(stored.assignment), name) is None:
         raise Problem(404, "not-found", f"the report has no figure {name[:80]}: check the address")
 
-    async def render(packed: list[bytes]) -> bytes:
+    async def render(packed: bytes) -> bytes:
         return await renderer.figure(stored, name, packed, form)
 
     return await cached_artefact(request, database, stored, f"figures/{name}.{form}", FORMATS[form], render)
@@ -55,7 +56,7 @@ async def cached_artefact(
     stored: SubmissionRecord,
     name: str,
     media_type: str,
-    make: Callable[[list[bytes]], Awaitable[bytes]],
+    make: Callable[[bytes], Awaitable[bytes]],
 ) -> Response:
     """Return the stored artefact ``name``; the first request makes it from the grading's packed arrays and
     stores it.
@@ -63,15 +64,14 @@ async def cached_artefact(
     Raises Problem 404 if the arrays are gone or cannot be drawn, and 503 if rendering fails.
     """
     if (found := await find_artefact(database, stored.grading, name)) is None:
-        packed = await find_arrays(database, stored.grading)
-        if not packed:
+        if (packed := await find_artefact(database, stored.grading, ARRAYS)) is None:
             raise Problem(
                 404,
                 "not-found",
                 "the arrays of this submission are no longer stored: ask the course staff for a regrade",
             )
         try:
-            content = await make(packed)
+            content = await make(packed[0])
         except (ArithmeticError, ValueError) as error:
             raise Problem(
                 404, "not-found", f"the figure cannot be drawn from these numbers: {error}"

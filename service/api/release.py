@@ -67,7 +67,7 @@ def _without_details(report: Report) -> Report:
     return replace(
         report,
         exercises=exercises,
-        provenance=replace(report.provenance, seed=0, motions={}, chains={}),
+        provenance=replace(report.provenance, seed=0, chains={}),
         figures=[one for one in report.figures if one.name in shown],
         animations=[one for one in report.animations if one.name in shown],
         scene_ends=[end for end in report.scene_ends if end.scene in public],

@@ -2,19 +2,16 @@
 function is wrong.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any
 
-from ecp.checks import Check
 from exercises.assignment import Assignment
-from service.grading.crosscheck import CrossCheck
-from service.grading.second_child import PlayedJob
+from service.grading.judging import passes
+from service.grading.playing import PlayedJob, play_job
 from service.sandbox.job import Job, ReferenceFunctions
-
-Play = Callable[[Job], tuple[PlayedJob, CrossCheck]]
-Passes = Callable[[Check, PlayedJob, CrossCheck], bool]
+from service.sandbox.sandbox import Sandbox
 
 
 @dataclass
@@ -36,13 +33,11 @@ def with_used(assignment: Assignment, wanted: Iterable[str]) -> set[str]:
     return found
 
 
-def play_chains(
-    assignment: Assignment, played: PlayedJob, crossed: CrossCheck, play: Play, passes: Passes
-) -> Chains:
+def play_chains(assignment: Assignment, played: PlayedJob, sandbox: Sandbox) -> Chains:
     """Play the scenes of a question again with reference functions if a check of it fails and a function that
     it uses is wrong.
 
-    The new results replace those in ``played`` and ``crossed``, unless fewer checks pass. A function that
+    The new results replace those in ``played``, unless fewer checks pass. A function that
     passes its checks only with reference functions is used together with them.
     """
     chains = Chains()
@@ -51,19 +46,20 @@ def play_chains(
     ] = {}  # by function: those to replace so that it is right, itself if it is wrong
     for question, names in _questions(assignment, played.job):
         checks = [check for check in assignment.checks() if check.scenes and names.issuperset(check.scenes)]
-        passed = sum(passes(check, played, crossed) for check in checks)
+        passed = sum(passes(assignment, check, played) for check in checks)
         replaced = set[str]().union(*(needed.get(name, ()) for name in question.get("uses", ())))
         may_pass = question["function"] in played.result.defined or played.result.cells
         if passed < len(checks) and replaced and may_pass:
             scenes = tuple(scene for scene in played.job.scenes if scene.name in names)
             reference = ReferenceFunctions(tuple(sorted(replaced)), assignment.source_before(question["id"]))
-            again = play(replace(played.job, scenes=scenes, reference=reference))
-            found = sum(passes(check, *again) for check in checks)
+            job = replace(played.job, scenes=scenes, reference=reference)
+            again = play_job(job, assignment, dict(played.inputs), sandbox, played.budget)
+            found = sum(passes(assignment, check, again) for check in checks)
             if found < passed:
                 replaced = set()
             else:
                 passed = found
-                _adopt(names, played, crossed, *again)
+                _adopt(names, played, again)
                 chains.remarks |= {
                     name: [_remark(function, played) for function in sorted(replaced)] for name in names
                 }
@@ -93,9 +89,7 @@ def _questions(assignment: Assignment, job: Job) -> Iterator[tuple[Mapping[str, 
             yield question, {name, *(other for _, other in others)}
 
 
-def _adopt(
-    names: set[str], played: PlayedJob, crossed: CrossCheck, again: PlayedJob, crossed_again: CrossCheck
-) -> None:
+def _adopt(names: set[str], played: PlayedJob, again: PlayedJob) -> None:
     for name in names:
         played.result.arrays.pop(name, None)
         played.result.scene_ends.pop(name, None)
@@ -104,7 +98,6 @@ def _adopt(
     played.result.notes |= again.result.notes
     played.result.scene_ends |= again.result.scene_ends
     played.truths.update(again.truths)
-    crossed.unsteady = crossed.unsteady - names | crossed_again.unsteady
 
 
 def _remark(name: str, played: PlayedJob) -> str:

@@ -9,9 +9,10 @@ from ecp.outcome import SweepResult
 from ecp.report import Report
 from exercises.assignment import Assignment
 from service.grading import rendering
-from service.grading.author_errors import author_errors, find_assignment, play
-from service.grading.grade import Graded, OnProgress, grade
+from service.grading.author_errors import author_errors, find_assignment
+from service.grading.grade import Graded, grade
 from service.grading.jobs import job_of, truth
+from service.grading.playing import OnProgress, play
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget

@@ -2,11 +2,10 @@
 reference methods.
 """
 
-import functools
 import io
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,40 +16,30 @@ from ecp.checks import Arrays
 from ecp.document import read
 from ecp.exercise import Figure
 from ecp.outcome import SweepResult
-from exercises.assignment import Assignment, Recording
+from exercises.assignment import Assignment
 from service.grading import chart_drawing, charts
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded
 from service.grading.jobs import draw_inputs, truth
-from service.grading.result import SHARED
+from service.grading.result import ARRAYS
 
 FORMATS = {"png": "image/png", "svg": "image/svg+xml"}
 MOST_CALLS, MOST_SECONDS = 10**9, 1e6  # of one solver in a sweep; assignments allow less
 
 
 def pack(graded: Graded) -> dict[str, bytes]:
-    """Return the artefacts to store, by name: the arrays, those of recordings in files of their own, which
-    many gradings share, and a contact sheet for each animation.
-    """
+    """Return the artefacts to store, by name: the arrays, and a contact sheet for each animation."""
     sheets = {a.scene: a.name for e in graded.exercises for a in e.animations if a.scene in graded.arrays}
-    packed = {
-        f"{SHARED}{scene}.npz": _recording(scene, recording) for scene, recording in graded.recorded.items()
-    }
     own = {
         f"{scene}/{name}": array
         for scene, arrays in graded.arrays.items()
         for name, array in arrays.items()
-        if scene not in sheets and not (scene in graded.recorded and name in graded.recorded[scene].arrays)
+        if scene not in sheets
     }
-    packed["arrays.npz"] = _archive(own)
+    packed = {ARRAYS: _archive(own)}
     for scene, name in sheets.items():
         packed[f"animations/{name}.png"] = drawing.contact_sheet(graded.arrays[scene]["frames"])
     return packed
-
-
-@functools.lru_cache(maxsize=64)
-def _recording(scene: str, recording: Recording) -> bytes:
-    return _archive({f"{scene}/{name}": array for name, array in recording.arrays.items()})
 
 
 def _archive(arrays: Arrays) -> bytes:
@@ -59,14 +48,13 @@ def _archive(arrays: Arrays) -> bytes:
     return stream.getvalue()
 
 
-def unpack(files: Iterable[bytes]) -> dict[str, dict[str, NDArray[np.float64]]]:
-    """Return the arrays that ``pack`` wrote to ``files``, by scene and name."""
+def unpack(packed: bytes) -> dict[str, dict[str, NDArray[np.float64]]]:
+    """Return the arrays that ``pack`` wrote, by scene and name."""
     scenes: dict[str, dict[str, NDArray[np.float64]]] = {}
-    for data in files:
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            for key in archive.files:
-                scene, name = key.split("/")
-                scenes.setdefault(scene, {})[name] = archive[key]
+    with np.load(io.BytesIO(packed), allow_pickle=False) as archive:
+        for key in archive.files:
+            scene, name = key.split("/")
+            scenes.setdefault(scene, {})[name] = archive[key]
     return scenes
 
 
@@ -93,7 +81,7 @@ def prepare(slug: str) -> None:
     find_assignment(slug)
 
 
-def draw_stored(slug: str, figure: str, packed: list[bytes], seed: int, form: str) -> bytes:
+def draw_stored(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
     """Draw a figure of a graded submission from its ``packed`` arrays. Raises KeyError if there is no such
     figure, SystemFault.
     """

@@ -12,7 +12,7 @@ from ecp.kinds import diagnose, reproduces
 from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Scene
 from exercises.solution import Variant
-from service.grading.second_child import PlayedJob
+from service.grading.playing import PlayedJob
 from service.sandbox.job import Job
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits

@@ -17,8 +17,7 @@ WORDS = {
     "error": "stopped by an error or an unusable value",
     "unmeasured": "not measured",
 }
-SHARED = "recorded/"
-"""The beginning of the names of artefacts that many gradings have in common: arrays of recordings."""
+ARRAYS = "arrays.npz"  # the name of the artefact with the arrays of a grading
 NOT_STOPPED = (Ended.FINISHED, Ended.NOT_PLAYED, Ended.MISSING)
 
 

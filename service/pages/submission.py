@@ -164,12 +164,12 @@ async def motion(
     if assignment is None or requested is None:
         raise Problem(404, "not-found", f"the report has no motion {name[:80]}: check the address")
 
-    def compute(packed: list[bytes]) -> bytes:
+    def compute(packed: bytes) -> bytes:
         return motion_data.to_json(
             assignment, requested, rendering.unpack(packed).get(requested.scene, {}), stored.seed
         )
 
-    async def make(packed: list[bytes]) -> bytes:
+    async def make(packed: bytes) -> bytes:
         return await asyncio.to_thread(compute, packed)
 
     return await cached_artefact(request, database, stored, f"motions/{name}.json", "application/json", make)

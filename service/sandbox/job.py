@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ecp.outcome import SceneEnd
-from exercises.assignment import ArraySpec, Ask
+from exercises.assignment import ArraySpec
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import BYTES, FILES, KEPT, LENGTH, NUMBERS
 
@@ -45,10 +45,8 @@ class Cell:
 class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
-    A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far:
-    the host calls ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these
-    named arrays and returns its arrays. ``question`` is that of the scene, if it has one (ecp.kinds). With
-    ``source`` the scene runs that source, after the setup, in place of the submission.
+    ``question`` is that of the scene, if it has one (ecp.kinds). With ``source`` the scene runs that source,
+    after the setup, in place of the submission.
     """
 
     name: str
@@ -58,7 +56,6 @@ class SceneRequest:
     returns: Mapping[str, ArraySpec]
     budget_s: float
     after: str | None
-    drive: Callable[[Ask], Any] | None = None
     needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
     source: str | None = None
@@ -102,8 +99,7 @@ class Job:
     ``functions`` are the names asked for; those among them that are ``variables`` need not be callable.
     ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a
-    published one. With ``needed_cells`` only the cells run on which the functions of the scenes depend, as
-    far as their names show. Statements ``left_out``, by their places, do not run: each ended an earlier
+    published one. Statements ``left_out``, by their places, do not run: each ended an earlier
     process, as their ends say.
     """
 
@@ -116,7 +112,6 @@ class Job:
     variables: tuple[str, ...] = ()
     data: Mapping[str, Path] = field(default_factory=dict)
     reference: ReferenceFunctions | None = None
-    needed_cells: bool = False
     left_out: Mapping[Place, SceneEnd] = field(default_factory=dict)
 
     @property
@@ -168,7 +163,6 @@ class Job:
                 "after": s.after,
             }
             | {
-                "asked": s.drive is not None,
                 "question": s.question,
                 "source": s.source,
                 "needs": s.needs,
@@ -180,7 +174,6 @@ class Job:
         document = {
             "setup": setup,
             "plays": plays,
-            "needed_cells": self.needed_cells,
             "notebook": self.notebook,
             "may_run_again": len(self.left_out) < MOST_LEFT_OUT,
             "left_out": [[place, _cause(end)] for place, end in self.left_out.items()],

@@ -55,7 +55,7 @@ class PlayResult:
     submission defines, ``missing`` those that it does not because a statement failed. ``left_out`` are the
     statements that ended a child, with how they did. ``arrays`` are the results by scene and name, ``notes``
     what a scene says besides its arrays, ``scene_ends`` those of scenes, ``cells`` those of failed cells,
-    ``driven`` the results of scenes that the host drove. ``author_errors`` are exceptions, by scene, that the
+    ``author_errors`` are exceptions, by scene, that the
     guest attributes to the assignment's code; a submission can forge them. ``claims`` are the notebook's own
     checks; ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells,
     by cell and place. ``cpu_s`` is the CPU time that was used.
@@ -69,7 +69,6 @@ class PlayResult:
     notes: dict[str, Notes] = field(default_factory=dict)
     scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     cells: dict[str, SceneEnd] = field(default_factory=dict)
-    driven: dict[str, Any] = field(default_factory=dict)
     author_errors: dict[str, str] = field(default_factory=dict)
     claims: list[NotebookCheck] = field(default_factory=list)
     claims_left_out: int = 0
@@ -81,7 +80,7 @@ class PlayResult:
         """Add the result of another child that ran the same submission."""
         for name in ("defined", "missing", "left_out", "arrays", "notes"):
             getattr(self, name).update(getattr(other, name))
-        for name in ("scene_ends", "driven", "author_errors"):
+        for name in ("scene_ends", "author_errors"):
             getattr(self, name).update(getattr(other, name))
         self.cells = {**other.cells, **self.cells}  # the first failure of a cell is the cause of others
         if not self.loaded:  # each child runs the cells again; one that did not end them counts for nothing
@@ -106,11 +105,11 @@ class PlayResult:
         return scene in self.scene_ends and self.scene_ends[scene].ended is Ended.FINISHED
 
 
-OnScene = Callable[[str, PlayResult], None]
-"""A function that is called when a scene begins, with its name and the result of its child so far."""
+OnScene = Callable[[str], None]
+"""A function that is called with the name of each scene that begins."""
 
 
-def ignore(scene: str, so_far: PlayResult) -> None:
+def ignore(scene: str) -> None:
     """Do nothing when a scene begins."""
 
 

@@ -5,7 +5,6 @@ lost.
 import logging
 import threading
 from collections.abc import Callable
-from concurrent.futures import Executor
 
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
@@ -46,7 +45,6 @@ class Sandbox:
         # whether a guest gets what jobs have in common only once, and forks the next child when asked to
         self.keeps = False
         self._turn = threading.Lock()
-        self.beside: Executor | None = None  # for a play beside another one, if there are guests for both
         self.cancelled = (
             threading.Event()
         )  # another thread sets it to end the current play; the guest stays warm

@@ -2,25 +2,20 @@
 exceeded.
 """
 
-import contextlib
 import os
 import selectors
 import signal
 import socket
 import threading
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import FileIO
 from typing import Any, NamedTuple
 
-from numpy.typing import ArrayLike
-
-from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.scratch import NO_ROOM
-from service.sandbox.guest.wire import CLOCK_FACTOR, LENGTH, MALFORMED, pack
+from service.sandbox.guest.wire import CLOCK_FACTOR, MALFORMED
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
@@ -59,21 +54,15 @@ class ChildExit(NamedTuple):
         return [os.waitstatus_to_exitcode(status) for status in (self.status, self.reference)]
 
 
-class NoAnswer(BaseException):
-    """The child will not answer a question because the scene has ended. Not an Exception, so that a driver
-    does not catch it.
-    """
-
-
 @dataclass
 class PlaySession:
     """One play of ``job``, of which a part is ``unsent``, within the ``budget`` of the grading.
 
     ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes,
-    unbuffered, are ``questions``, which begin with the job and do not block, ``answers``, which are frames,
-    and ``printed``. ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the
-    child's exit once it is known, and ``waited`` the time that it had no processor. Another thread may set
-    ``cancelled`` to end the play.
+    unbuffered, are ``job_pipe``, which does not block, ``answers``, which are frames, and ``printed``.
+    ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is
+    known, and ``waited`` the time that it had no processor. Another thread may set ``cancelled`` to end the
+    play.
     """
 
     job: Job
@@ -81,7 +70,7 @@ class PlaySession:
     budget: TimeBudget
     reader: Reader
     control: socket.socket
-    questions: FileIO
+    job_pipe: FileIO
     answers: FileIO
     printed: FileIO
     waited: ProcessorWait
@@ -99,21 +88,18 @@ class PlaySession:
 
         Raises OSError if the zygote has ended.
         """
-        self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
         with selectors.DefaultSelector() as self._selector:
             if self.unsent:
-                self._selector.register(self.questions, selectors.EVENT_WRITE)
+                self._selector.register(self.job_pipe, selectors.EVENT_WRITE)
             else:
-                self._close_job_unless_needed()
+                self.job_pipe.close()
             for end in (self.answers, self.printed, self.control):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
                 while self._is_running():
                     self._step()
-                    if self.reader.started in self._undriven:
-                        self._drive(self.reader.started)
             finally:
                 self.waited.update()
 
@@ -140,59 +126,21 @@ class PlaySession:
         if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
-            if key.fileobj is self.questions:
+            if key.fileobj is self.job_pipe:
                 self._write_some()
             elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
                 self._open_pipes -= key.fileobj is not self.control
 
-    def _drive(self, scene: str) -> None:
-        """Run the scene's driver and keep its result, unless the scene ends first."""
-        with contextlib.suppress(NoAnswer):
-            self.reader.result.driven[scene] = self._undriven[scene](self._ask)
-            self._send(LENGTH.pack(0), scene)
-        del self._undriven[scene]
-        self._close_job_unless_needed()
-
-    def _ask(self, arguments: Mapping[str, ArrayLike]) -> Arrays:
-        scene, question = self.reader.started, pack(arguments)
-        self._send(LENGTH.pack(len(question)) + question, scene)
-        self.reader.open_questions += 1
-        while not self.reader.answers:
-            self._step_in(scene)
-        return self.reader.answers.popleft()
-
-    def _send(self, data: bytes, scene: str | None) -> None:
-        """Write to the child that plays ``scene``. An answer before the whole question is written violates
-        the protocol.
-        """
-        try:
-            self.unsent = memoryview(data)[self.questions.write(data) or 0 :]
-        except BrokenPipeError:
-            raise NoAnswer from None
-        if self.unsent:  # the question is larger than the pipe, or the child answers without reading
-            self._selector.register(self.questions, selectors.EVENT_WRITE)
-            while self.unsent:
-                self._step_in(scene)
-
-    def _step_in(self, scene: str | None) -> None:
-        if not self._is_running() or self.reader.started != scene:
-            raise NoAnswer
-        self._step()
-
     def _write_some(self) -> None:
         """Write what fits of ``unsent``, or nothing if the child has closed the pipe."""
         try:
-            self.unsent = self.unsent[self.questions.write(self.unsent[:CHUNK]) or 0 :]
+            self.unsent = self.unsent[self.job_pipe.write(self.unsent[:CHUNK]) or 0 :]
         except BrokenPipeError:
             self.unsent = memoryview(b"")
         if not self.unsent:
-            self._selector.unregister(self.questions)
-            self._close_job_unless_needed()
-
-    def _close_job_unless_needed(self) -> None:
-        if not self._undriven:
-            self.questions.close()
+            self._selector.unregister(self.job_pipe)
+            self.job_pipe.close()
 
     def record_end(self, result: PlayResult) -> None:
         """Record the scene end that follows from the child's exit, for the scene in progress or else for all

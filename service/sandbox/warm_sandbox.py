@@ -3,7 +3,6 @@ whose children cost less.
 """
 
 from collections import deque
-from concurrent.futures import ThreadPoolExecutor
 
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Cell, Job
@@ -12,22 +11,19 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import LibraryNeeded
 
-SMALL_GUESTS = 2  # so that a second child plays beside the first one, or while that exits
+SMALL_GUESTS = 2  # so that one plays while the last child of the other exits
 
 
 class WarmSandbox(Sandbox):
     """A sandbox with two small guests without SciPy and matplotlib besides the one that has them.
 
-    Successive plays alternate between the small guests, so two plays can run at the same time. A child of a
-    small guest copies and frees a quarter of the memory. The guest with the libraries plays submissions that
+    Successive plays alternate between the small guests. A child of a small guest copies and frees a quarter
+    of the memory. The guest with the libraries plays submissions that
     use one, and scenes that draw.
     """
 
     def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
         super().__init__(isolation, limits)
-        self.beside = ThreadPoolExecutor(
-            1
-        )  # a thread that stays: a guest ends with the thread that started it
         self._guests = [Sandbox(isolation, limits, small=True) for _ in range(SMALL_GUESTS)]
         self.keeps = True
         for guest in self._guests:

@@ -1,22 +1,19 @@
 """Reading and validating the frames of a guest, which are untrusted bytes.
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event.
-Kind ``A`` are all arrays of the scene in progress, or of the answer to one question of it: header length (2
-bytes), JSON header of shapes by name, then raw little-endian numbers. Kind ``C`` is a claim of the notebook's
-own checks (claims.py). The host knows which arrays a scene returns, their element type and largest shape, and
-its own questions; anything else violates the protocol.
+Kind ``A`` are all arrays of the scene in progress: header length (2 bytes), JSON header of shapes by name,
+then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host
+knows which arrays a scene returns, their element type and largest shape; anything else violates the protocol.
 """
 
 import functools
 import json
 import math
 import struct
-from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.notes import MOST_REMARKS, Absent, Notes
 from ecp.outcome import Ended, SceneEnd
@@ -67,10 +64,6 @@ class Reader:
         self._longest = MOST_JSON + max(sizes, default=0)
         self._buffer = bytearray()
         self.loaded = False
-        self.open_questions, self.answers = (
-            0,
-            deque[dict[str, NDArray[Any]]](),
-        )  # a scene without a driver is one question
         self._claims, self._numbers = (
             {False: 0, True: 0},
             0,
@@ -117,8 +110,7 @@ class Reader:
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
                 self.started = self._next(event)
-                self.open_questions = 0 if self._scenes[self.started].drive else 1
-                self._on_scene(self.started, self.result)
+                self._on_scene(self.started)
             case "scene":
                 self._end(event)
             case "cell":
@@ -138,7 +130,7 @@ class Reader:
         scene_end = _scene_end(name, event)
         if scene_end.ended is not Ended.FINISHED:
             self.result.arrays.pop(name, None)
-        elif not self._scenes[name].drive and name not in self.result.arrays:
+        elif name not in self.result.arrays:
             raise ProtocolError("a scene ended without its arrays")
         if scene_end.ended is Ended.RAISED and isinstance(author := event.get("author"), str):
             self.result.author_errors[name] = _line(author)
@@ -173,21 +165,16 @@ class Reader:
         return {name for name in names if isinstance(name, str)} & self._functions
 
     def _arrays(self, payload: bytes) -> None:
-        if self.started is None or self.open_questions < 1 or len(payload) < HEADER.size:
+        if self.started is None or self.started in self.result.arrays or len(payload) < HEADER.size:
             raise ProtocolError("an answer without a question")
-        self.open_questions -= 1
         scene, header = self._scenes[self.started], payload[: HEADER.size + HEADER.unpack_from(payload)[0]]
         places, size = _layout(header, tuple(scene.returns.items()))
         if len(payload) != size:
             raise ProtocolError("an answer of another length than its shapes")
-        arrays = {
+        self.result.arrays[scene.name] = {
             name: np.frombuffer(payload, dtype, count, at).reshape(shape)
             for name, dtype, shape, count, at in places
         }
-        if scene.drive:
-            self.answers.append(arrays)
-        else:
-            self.result.arrays[scene.name] = arrays
 
     def _claim(self, payload: bytes) -> None:
         if self.loaded:
@@ -216,8 +203,7 @@ class Reader:
 def _layout(header: bytes, returns: tuple[tuple[str, ArraySpec], ...]) -> tuple[list[ArrayPlace], int]:
     """Return the places of an answer's arrays and the length of the answer."""
     shapes, specs, places, at = _json(header[HEADER.size :]), dict(returns), list[ArrayPlace](), len(header)
-    alone = {name for name, spec in specs.items() if spec.alone}
-    if set(shapes) != set(specs) - alone and not (len(shapes) == 1 and set(shapes) <= alone):
+    if set(shapes) != set(specs):
         raise ProtocolError("an answer with other arrays than asked for")
     for name, listed in shapes.items():
         dtype, shape = DTYPES[specs[name].dtype], _shape(listed, specs[name])

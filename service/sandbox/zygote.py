@@ -65,13 +65,13 @@ class _Child:
     """
 
     def __init__(self, limit: int) -> None:
-        (job, questions), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
+        (job, job_pipe), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
         self.limit, self.theirs = limit, [job, result, output]
-        self.questions, self.answers, self.printed = FileIO(questions, "w"), FileIO(answers), FileIO(printed)
+        self.job_pipe, self.answers, self.printed = FileIO(job_pipe, "w"), FileIO(answers), FileIO(printed)
 
     def close(self) -> None:
         """Close the host's ends."""
-        for end in (self.questions, self.answers, self.printed):
+        for end in (self.job_pipe, self.answers, self.printed):
             end.close()
 
 
@@ -159,7 +159,7 @@ class Zygote:
             child = started or self._start(job, budget)
             with contextlib.closing(child):
                 try:
-                    unsent = _write_first(child.questions, job.encode(kept=self._keeps))
+                    unsent = _write_first(child.job_pipe, job.encode(kept=self._keeps))
                 except BrokenPipeError as error:
                     if started:
                         raise ZygoteLost("the child has ended before its play") from error
@@ -260,7 +260,7 @@ class Zygote:
             budget,
             reader,
             self._control,
-            child.questions,
+            child.job_pipe,
             child.answers,
             child.printed,
             waited,

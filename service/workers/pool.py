@@ -40,11 +40,7 @@ class WorkerPool:
         for signal_number in STOPS:
             signal.signal(signal_number, self._stop)
         os.nice(NICENESS)
-        for assignment in assignments().values():
-            try:
-                assignment.prepare()
-            except Exception:
-                log.exception("%s could not be prepared: it is graded more slowly", assignment.slug)
+        assignments()  # loaded once, for all workers
         gc.freeze()  # keeps imported modules in shared pages
         gc.set_threshold(MOST_YOUNG)
         workers = [_WorkerProcess(number) for number in range(self._settings.workers)]

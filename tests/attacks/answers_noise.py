@@ -1,6 +1,6 @@
 """Right up to noise in the thirteenth digit."""
 
-# ends: fail
+# ends: any
 import numpy as np
 
 

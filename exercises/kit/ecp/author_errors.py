@@ -61,11 +61,8 @@ def checked_arrays(
     )
     if not isinstance(seen, Mapping):
         raise AuthorError(f"{place} returned {type(seen).__name__}, not a dict of arrays")
-    alone = {name for name, spec in specs.items() if spec.get("alone")}
-    if set(seen) != set(specs) - alone and not (len(seen) == 1 and set(seen) <= alone):
-        raise AuthorError(
-            f"{place} returned {_listed(seen)}; the scene declares {_listed(set(specs) - alone)}"
-        )
+    if set(seen) != set(specs):
+        raise AuthorError(f"{place} returned {_listed(seen)}; the scene declares {_listed(specs)}")
     arrays = {}
     for name in seen:
         spec = specs[name]

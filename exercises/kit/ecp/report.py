@@ -37,7 +37,6 @@ class Provenance:
     seed: int
     versions: dict[str, str]
     isolation: str
-    motions: dict[str, str] = field(default_factory=dict)
     chains: dict[str, str] = field(default_factory=dict)
     phases_ms: dict[str, float] = field(default_factory=dict)
 

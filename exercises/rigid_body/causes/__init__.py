@@ -6,10 +6,12 @@ from ecp.checks import Arrays
 from ecp.kinds.animation.body import diagnose
 from ecp.outcome import Diagnosis
 from exercises.assignment import Answers, Inputs
+from exercises.rigid_body import probes
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
 from exercises.rigid_body.causes.precession import causes_of_rate
 from exercises.rigid_body.causes.rates import causes_of_rates
 from exercises.rigid_body.public.common_checks import filmed
+from exercises.rigid_body.public.quantities import Array
 
 CODES = (
     *(
@@ -73,8 +75,21 @@ CODES = (
         "wrong-power",
     ),
     *("partly-right", "nearly-right", "wrong-times", "wrong-components", "unbounded"),
+    "not-deterministic",
 )
 """The diagnosis codes of this assignment; docs/checks.md describes them."""
+
+NOT_DETERMINISTIC = (
+    "euler_eqs does not always return the same value for the same arguments: it must not use the clock,"
+    " random numbers or results of earlier calls"
+)
+
+
+def differs_when_repeated(inputs: Inputs, answers: Array) -> bool:
+    """Return whether answers (n, 3) to equal points (t, ω, I) differ in any bit."""
+    points = np.column_stack([inputs["t"], inputs["w"], inputs["I"]])
+    _, first, which = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    return answers.tobytes() != answers[first[which]].tobytes()
 
 
 def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None:
@@ -100,7 +115,9 @@ def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
         if scene in ("film", "tumble-film"):
             return diagnose(seen, filmed(inputs))
         if scene == "probes":
-            return causes_of_rates(inputs, np.asarray(seen["wdot"]))
+            if differs_when_repeated(inputs, seen["wdot"]):
+                return [Diagnosis("not-deterministic", NOT_DETERMINISTIC, 1.0)]
+            return causes_of_rates(*probes.without_drawn(inputs, seen["wdot"]))
         if scene == "boxes":
             return causes_of_boxes(inputs, np.asarray(seen["moments"]))
     return []

@@ -18,7 +18,7 @@ from . import unused_libraries
 from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
 from .ending import Cause, ending
-from .pieces import needed_sources, pieces
+from .pieces import pieces
 from .place import Place
 from .scratch import end_if_full
 from .shell_commands import run_command
@@ -63,14 +63,11 @@ class Cells:
         """
         self._names |= self._fixed
         several = any(published for _, _, published in self._job["cells"])
-        needed = self._needed() if self._job["needed_cells"] else None
         for name, source, published in self._job["cells"]:
             self._budget = Budget(self._job["load_budget_s"]) if several else self._budget
             recorder.cell, recorder.places = name, published
             linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
             for piece in pieces(source):
-                if needed is not None and piece not in needed:
-                    continue
                 self._run(piece, name, recorder, published=published)
 
     def missing(self, names: list[str]) -> list[str]:
@@ -162,9 +159,3 @@ class Cells:
             return
         if isinstance(value, sys.modules["matplotlib.animation"].Animation):
             animate.shown[:] = [value]
-
-    def _needed(self) -> set[str]:
-        scenes = self._job["scenes"]
-        names = {name for scene in scenes for name in (scene["function"], *scene["needs"])}
-        sources = [piece for _, source, _ in self._job["cells"] for piece in pieces(source)]
-        return needed_sources(sources, names) if len(sources) > 1 else set(sources)

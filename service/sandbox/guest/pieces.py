@@ -1,11 +1,8 @@
-"""The cells of a jupytext file, percent or light, and those of them that define what a scene needs."""
+"""The cells of a jupytext file, percent or light."""
 
 import itertools
 import re
 import warnings
-from collections.abc import Collection, Iterable
-
-from ecp.notebook.names import names_in
 
 MARK = re.compile(r"^# %%", re.MULTILINE)
 LIGHT = re.compile(r"^# +format_name: light$", re.MULTILINE)  # in the header of the file
@@ -27,24 +24,6 @@ def pieces(source: str) -> list[str]:
         "\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)
     ]
     return [source] if _is_python(source) and not all(map(_is_python, found)) else found
-
-
-def needed_sources(sources: Iterable[str], names: Collection[str]) -> set[str]:
-    """Return the sources that bind one of ``names`` or of the names that such sources use.
-
-    Those that are no valid Python and those that import * are among them, as their names are not known. A
-    source that changes an object without binding its name is left out.
-    """
-    found = {source: names_in(source) for source in sources}
-    needed = {
-        source for source, its in found.items() if "import *" in source or not its.bound | its.now | its.later
-    }
-    wanted, grown = set(names), True
-    while grown:
-        more = {source for source, its in found.items() if its.bound & wanted} - needed
-        wanted |= {name for source in needed | more for name in found[source].now | found[source].later}
-        needed, grown = needed | more, bool(more)
-    return needed
 
 
 def _is_python(source: str) -> bool:

@@ -8,12 +8,12 @@ from ecp.return_value import describe_exception
 
 from .calls import LOADED, Channel
 from .run_scenes import prepare
-from .wire import FILES, Questions
+from .wire import FILES, JobReader
 
 
 def run(job_fd: int, calls_fd: int) -> None:
     """Load the right solutions and answer calls of them until the other process ends."""
-    job = Questions(job_fd).job()
+    job = JobReader(job_fd).job()
     try:
         names = prepare(compile(job["setup"], FILES["setup"], "exec")).__dict__
         exec(compile(job["source"], "solution.py", "exec"), names)

@@ -28,7 +28,7 @@ from .claims import Recorder
 from .ending import Cause, ending
 from .nothing import NOTHING
 from .seal import Seal, in_place, names_used, private_modules
-from .wire import FILES, Questions, Writer, forget, kept
+from .wire import FILES, JobReader, Writer, forget, kept
 from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
@@ -48,8 +48,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     With ``calls_fd`` another process holds functions that stand for those of the submission with the same
     names.
     """
-    questions, write = Questions(job_fd), Writer(result_fd)
-    job = questions.job()
+    job, write = JobReader(job_fd).job(), Writer(result_fd)
     forget()
     try:
         plays, unchanged, module = _loaded(job)
@@ -59,7 +58,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
         raise
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
-        _run(job, plays, module, questions, write, unchanged=unchanged, reference=reference)
+        _run(job, plays, module, write, unchanged=unchanged, reference=reference)
 
 
 def load(setup: str, plays: str) -> None:
@@ -109,7 +108,6 @@ def _run(
     job: dict[str, Any],
     plays: Names,
     module: types.ModuleType,
-    questions: Questions,
     write: Writer,
     *,
     unchanged: Callable[[], None],
@@ -144,7 +142,6 @@ def _run(
             scene,
             plays,
             student,
-            questions,
             write,
             unchanged=unchanged,
             cause=cells.statements.cause,
@@ -179,7 +176,6 @@ def _play(
     scene: dict[str, Any],
     plays: Names,
     student: Names,
-    questions: Questions,
     write: Writer,
     *,
     unchanged: Callable[[], None],
@@ -197,11 +193,9 @@ def _play(
             exec(compile(scene["source"], "source.py", "exec"), names)
         play = plays[scene["play"]]
         asked = (names,) if scene["question"] is None else (scene["question"], names)
-        for inputs in questions if scene["asked"] else [scene["inputs"]]:
-            arrays = play(*asked, inputs)
-            if not scene["asked"]:
-                unchanged()
-            write.arrays(checked_arrays(play, arrays, scene["returns"]))
+        arrays = play(*asked, scene["inputs"])
+        unchanged()
+        write.arrays(checked_arrays(play, arrays, scene["returns"]))
 
     budget = Budget(scene["budget_s"])
     with noting() as notes:

@@ -1,21 +1,18 @@
-"""The guest's side of the protocol: read the job and its questions, write frames. See job.py and wire.py of
-the host.
-"""
+"""The guest's side of the protocol: read the job, write frames. See job.py and wire.py of the host."""
 
 import base64
 import fcntl
 import functools
 import json
-import math
 import os
 import select
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-LENGTH = struct.Struct("<I")  # in front of the job and of each question; 0 after the last question of a scene
+LENGTH = struct.Struct("<I")  # in front of the job
 HEADER = struct.Struct("<H")  # in front of the header of named arrays
 CHUNK = 1 << 16
 FILES = {"setup": "Setup", "plays": "plays.py"}  # names of compiled texts in tracebacks
@@ -27,7 +24,6 @@ NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and
 KEPT = "kept by name"  # key of an object that stands for a value that this guest keeps, and its name
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]
-Layout = tuple[tuple[str, tuple[int, ...], slice], ...]
 
 
 def pack(arrays: Mapping[str, Any]) -> bytes:
@@ -37,18 +33,6 @@ def pack(arrays: Mapping[str, Any]) -> bytes:
     values = {name: np.asarray(value, _dtype(value)) for name, value in arrays.items()}
     shapes = tuple([(name, value.shape) for name, value in values.items()])
     return b"".join([_header(shapes), *[value.tobytes() for value in values.values()]])
-
-
-def unpack(data: bytes) -> dict[str, Any]:
-    """Return the named arrays that ``pack`` wrote, all of them float64. A number without dimensions is
-    returned as a float.
-    """
-    (length,) = HEADER.unpack_from(data)
-    numbers = np.frombuffer(data, "<f8", offset=HEADER.size + length).copy()
-    return {
-        name: numbers[places].reshape(shape) if shape else float(numbers[places.start])
-        for name, shape, places in _layout(data[HEADER.size : HEADER.size + length])
-    }
 
 
 def _dtype(value: Any) -> str:
@@ -61,20 +45,12 @@ def _header(shapes: Shapes) -> bytes:
     return HEADER.pack(len(head)) + head
 
 
-@functools.lru_cache(maxsize=64)
-def _layout(head: bytes) -> Layout:
-    found, at = [], 0
-    for name, shape in json.loads(head).items():
-        found.append((name, tuple(shape), slice(at, at := at + math.prod(shape))))
-    return tuple(found)
-
-
 _kept: dict[str, Any] = {}
 
 
 def keep(name: str, fd: int) -> None:
-    """Read a value as ``Questions.job`` does and keep it for the jobs that contain its name."""
-    _kept[name] = Questions(fd).job()
+    """Read a value as ``JobReader.job`` does and keep it for the jobs that contain its name."""
+    _kept[name] = JobReader(fd).job()
 
 
 def kept(name: str) -> Any:
@@ -100,8 +76,8 @@ def _decoded(value: dict[str, Any]) -> Any:
     return np.frombuffer(value[NUMBERS], "<f8").reshape(value["shape"]).tolist()
 
 
-class Questions:
-    """Reader of the job and of the host's questions after it, which are named arrays."""
+class JobReader:
+    """Reader of a job."""
 
     def __init__(self, fd: int) -> None:
         self._fd, self._poll, self._unread = fd, select.poll(), b""
@@ -113,11 +89,6 @@ class Questions:
     def job(self) -> dict[str, Any]:
         """Return the job. Call it once, before the submission is loaded."""
         return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]), object_hook=_decoded)
-
-    def __iter__(self) -> Iterator[dict[str, Any]]:
-        """Yield the questions of one scene until its last."""
-        while size := LENGTH.unpack(self._read(LENGTH.size))[0]:
-            yield unpack(self._read(size))
 
     def _read(self, size: int) -> bytes:
         while len(self._unread) < size:
@@ -155,7 +126,7 @@ class Writer:
         self._frame(b"C", HEADER.pack(len(head)) + head + raw)
 
     def arrays(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """Write the named arrays of a scene, or of an answer to one question of it."""
+        """Write the named arrays of a scene."""
         self._frame(b"A", pack(arrays))
 
     def _frame(self, kind: bytes, payload: bytes) -> None:

@@ -10,8 +10,6 @@ from uuid import UUID
 import psycopg
 from psycopg.types.json import Jsonb
 
-from service.grading.result import SHARED
-
 BATCH = 1000  # gradings in one transaction
 FIRST = UUID(int=0)
 
@@ -76,13 +74,12 @@ def _delete(connection: psycopg.Connection, files: list[tuple[UUID, str]]) -> No
 
 _NEXT = "SELECT id FROM grading WHERE id > %(last)s ORDER BY id LIMIT %(batch)s"
 
-_PRUNABLE = f"""
+_PRUNABLE = """
 SELECT * FROM (
     SELECT k.grading_id, k.name, CASE
         WHEN g.id <> shown.id AND (NOT g.preview OR y.decided IS NOT NULL)
             AND k.name <> 'pruned' THEN 'replaced'
-        WHEN g.id = shown.id AND (k.name = 'arrays.npz' OR starts_with(k.name, '{SHARED}'))
-            AND %(arrays)s THEN 'arrays'
+        WHEN g.id = shown.id AND k.name = 'arrays.npz' AND %(arrays)s THEN 'arrays'
         WHEN g.id = shown.id AND (k.name LIKE 'figures/%%' OR k.name LIKE 'motions/%%') AND NOT %(arrays)s
             AND r.version = CAST(%(versions)s AS jsonb)->>x.slug
             AND EXISTS (SELECT 1 FROM grading_artefact WHERE grading_id = g.id

@@ -55,7 +55,6 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 
 SCENES = (
-    # Called twice, in two processes and two orders: results that depend on anything but the arguments differ.
     Scene(
         "probes",
         "rates",
@@ -64,7 +63,6 @@ SCENES = (
         {"rate": ArraySpec((PROBES, 2))},
         _exact_rates,
         2.0,
-        twice=True,
     ),
     _motion("damped", *DAMPED),
     _motion("undamped", *UNDAMPED),

@@ -209,15 +209,6 @@ def test_a_row_is_right_for_partial_credit_if_the_whole_check_would_accept_it():
     )
 
 
-def test_answers_that_differ_between_runs_earn_no_partial_credit(toolbox, sandbox):
-    unsteady = "import random\n" + PARTLY.replace("a + 1e-3", "a + random.random()")
-    scenes = tuple(replace(scene, twice=scene.name == "1-hidden") for scene in toolbox.assignment.scenes)
-    report = grade(Submission(unsteady), replace(toolbox.assignment, scenes=scenes), sandbox, 1).report
-    assert [(o.earned, o.diagnosis[0].code) for o in report.outcomes() if o.id == "1-new-value"] == [
-        (0, "not-deterministic")
-    ]
-
-
 WRONG = [("normal_modes", 1), ("oscillator", 1), ("pendulum", 1), ("rk4_step", 1), ("verlet", 0)]
 
 

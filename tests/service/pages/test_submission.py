@@ -592,7 +592,7 @@ def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, a
         " 'arrays.npz'",
         grading,
     )[0][0]
-    seen = rendering.unpack([packed])["precession"]
+    seen = rendering.unpack(packed)["precession"]
     made = motion_data.to_json(
         rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"]
     )

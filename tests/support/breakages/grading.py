@@ -4,54 +4,15 @@ from tests.support.breakages.breakage import Breakage
 
 GRADING = [
     Breakage(
-        "no second child is asked the same questions",
-        "service/grading/crosscheck.py",
-        "checked.unsteady, answers = second.compare(played)",
-        "answers = second.compare(played)[1]",
-        ("tests/service/grading/test_crosscheck.py::test_answers_that_differ_in_the_last_bits_are_found",),
-    ),
-    Breakage(
-        "the second child gets the questions in the same order",
-        "service/grading/second_child.py",
-        "rng.permutation(_length(inputs))",
-        "np.arange(_length(inputs))",
-        ("tests/service/grading/test_crosscheck.py::test_answers_that_differ_in_the_last_bits_are_found",),
-    ),
-    Breakage(
-        "a function that depends on a cell left out in the second child fails",
-        "service/grading/second_child.py",
-        "        if needed_cells:  #",
-        "        if False:  #",
-        (
-            "tests/service/grading/test_crosscheck.py::test_a_right_function_may_depend_on_cells_that_do_not_name_what_they_change",
-        ),
-    ),
-    Breakage(
-        "a motion without its probes is believed",
-        "service/grading/crosscheck.py",
-        "discard(result, scene.name, Ended.NOT_PLAYED, NOT_FINISHED.format(proof))",
-        "continue",
-        (
-            "tests/service/grading/test_crosscheck.py::test_a_motion_is_not_believed_if_its_function_was_not_asked_again",
-        ),
-    ),
-    Breakage(
-        "answers that change when asked again pass",
-        "service/grading/grade.py",
-        "if outcome.verdict is Verdict.PASS:",
-        "if outcome.verdict is Verdict.UNMEASURED:",
-        ("tests/service/grading/test_crosscheck.py::test_answers_that_differ_in_the_last_bits_are_found",),
-    ),
-    Breakage(
         "drawn scenes do not depend on the seed, so a regrade asks something else",
         "service/grading/jobs.py",
         "np.random.default_rng([seed, zlib.crc32(scene.name.encode())])",
         "np.random.default_rng()",
-        ("tests/service/grading/test_crosscheck.py::test_the_same_seed_gives_the_same_report",),
+        ("tests/service/grading/test_grade.py::test_same_seed_same_report_of_everything_drawn_and_animated",),
     ),
     Breakage(
         "hidden checks are reported as public ones",
-        "service/grading/grade.py",
+        "service/grading/judging.py",
         "outcome.hidden = assignment.hidden(check)",
         "outcome.hidden = False",
         ("tests/service/grading/test_grade.py::test_what_is_hidden_tells_no_inputs",),

@@ -60,15 +60,6 @@ KIT = [
         ("tests/exercises/kit/ecp/test_report.py",),
     ),
     Breakage(
-        "answers that are not deterministic earn partial credit",
-        "service/grading/grade.py",
-        "outcome.diagnosis, outcome.partial = [_unsteady(unsteady)], None",
-        "outcome.diagnosis = [_unsteady(unsteady)]",
-        (
-            "tests/exercises/kinds/test_values.py::test_answers_that_differ_between_runs_earn_no_partial_credit",
-        ),
-    ),
-    Breakage(
         "an override of a check ignores the partial credit it replaces",
         "service/store/records.py",
         "least(o.points, v.points) - v.earned",

@@ -195,8 +195,8 @@ STORE = [
     Breakage(
         "prune deletes the arrays of shown reports without being asked to",
         "service/store/postgres/retention.py",
-        "\n            AND %(arrays)s THEN 'arrays'",
-        " THEN 'arrays'",
+        "k.name = 'arrays.npz' AND %(arrays)s THEN",
+        "k.name = 'arrays.npz' THEN",
         ("tests/service/store/postgres/test_retention.py",),
     ),
     Breakage(

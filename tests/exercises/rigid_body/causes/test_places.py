@@ -70,7 +70,7 @@ def test_nearly_right(probes):
 
     heun = (exact + rates(w + 1e-4 * exact)) / 2
     ((code, sentence),) = sentences(probes, heun)
-    assert code == "nearly-right" and f"of {len(w)} points" in sentence
+    assert code == "nearly-right" and " of 164 points" in sentence
     assert sentences(probes, exact * (1 + 0.2 * np.sin(w))) == []
 
 

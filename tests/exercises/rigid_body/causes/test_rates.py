@@ -62,8 +62,15 @@ def test_a_factor_is_told_with_its_value(probes):
 
 @pytest.mark.parametrize("size", [1e-9, 1e-6, 0.1])
 def test_silent_when_nothing_reproduces_the_numbers(probes, size):
+    _, w, I, exact = probes
+    scatter = np.sin(1e5 * (w + I[:, ::-1]))  # equal at equal points
+    assert codes(probes, -exact + size * scatter) == []
+
+
+def test_answers_that_differ_at_equal_points_are_not_deterministic(probes):
     noise = np.random.default_rng(3).normal(size=probes[3].shape)
-    assert codes(probes, -probes[3] + size * noise) == []
+    assert codes(probes, probes[3] * (1 + 1e-16 * noise)) == ["not-deterministic"]
+    assert codes(probes, probes[3] * (1 + 1e-12 * noise)) == ["not-deterministic"]
 
 
 def test_the_sentence_points_at_component_and_term(probes):

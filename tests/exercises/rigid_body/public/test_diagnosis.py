@@ -18,7 +18,7 @@ ANSWERS = {
     "units": lambda w, I, exact: DEGREES * exact,
     "constant-factor": lambda w, I, exact: 3 * exact,
     "component-order": lambda w, I, exact: exact[:, [2, 0, 1]],
-    "nearly-right": lambda w, I, exact: exact * (1 + 1e-3 * np.sin(np.arange(len(w))))[:, None],
+    "nearly-right": lambda w, I, exact: exact * (1 + 1e-3 * np.sin(1e5 * w)),
 }
 
 

@@ -101,22 +101,6 @@ def test_the_arrays_go_only_if_asked_and_figures_that_need_them_stay(database_ur
     assert files(database_url) >= {(str(grading_of(database_url, submission, 2)), "arrays.npz")}
 
 
-def test_arrays_of_recordings_go_with_the_others(database_url, submission):
-    async def share(database):
-        for one in (submission, await hand_in(database, "eve", {"2-energy": "✓"})):
-            id = (await database.rows(NEWEST, {"id": one}))[0].id
-            await store_artefacts(database, id, {"recorded/free.npz": b"a motion"})
-
-    run(database_url, share)
-    assert (b"a motion",) in sql(database_url, "SELECT content FROM artefact")
-    versions = {slug: one.version for slug, one in assignments().items()}
-    found = retention.prune(database_url, versions, days=0, arrays=True, delete=False)
-    sizes = dict(sql(database_url, "SELECT content, pg_column_size(content) FROM artefact"))
-    assert found[1].size == sizes[b"a motion"] + sizes[b"none"], "each content counts once"
-    assert pruned(database_url, arrays=True) == {"replaced": 0, "arrays": 4}
-    assert (b"a motion",) not in sql(database_url, "SELECT content FROM artefact")
-
-
 def test_files_of_a_replaced_grading_go_and_those_of_an_undecided_preview_stay(database_url, submission):
     again(database_url, submission)
     assert pruned(database_url) == {"replaced": 3, "drawn": 0}

@@ -1,4 +1,4 @@
-# Exercise 2, with measurement noise that nobody asked for.
+# Exercise 2, with noise far below the tolerance: answers that differ never make a ✗.
 rng = np.random.default_rng()
 
 

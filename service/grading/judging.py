@@ -1,0 +1,88 @@
+"""Judging what a submission returned by the checks of an exercise."""
+
+from collections.abc import Mapping
+
+from ecp.checks import Arrays, Check
+from ecp.exercise import Exercise
+from ecp.judge import Verdict
+from ecp.notes import Absent, unsaid
+from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome
+from exercises.assignment import Assignment, Scene
+from exercises.validation_cells import ReportedLine
+from service.grading.diagnosing import Causes, diagnose_failure
+from service.grading.playing import PlayedJob
+from service.sandbox.result import PlayResult
+
+
+def judge(
+    exercise: Exercise,
+    assignment: Assignment,
+    played: PlayedJob,
+    causes: Causes,
+    *,
+    remarks: Mapping[str, list[str]],
+) -> ExerciseReport:
+    """Return the report of an exercise: each check judged by the exact answers, each ✗ and – with its cause.
+
+    ``remarks`` are those on the outcomes of a scene.
+    """
+    outcomes, result, said = [], played.result, set[str]()
+    for check in exercise.applicable_checks(result.written, assignment.names):
+        scenes = [assignment.scene(name) for name in check.scenes]
+        outcome = _outcome(check, scenes, result, played.truths)
+        if absent := _absent(check, scenes, result):
+            outcome.diagnosis = [Diagnosis(absent.code, absent.sentence, 1.0)] if absent.code else []
+        elif outcome.verdict is not Verdict.PASS:
+            outcome.diagnosis = diagnose_failure(scenes, result, causes)
+        outcome.hidden = assignment.hidden(check)
+        outcome.remarks = [remark for name in check.scenes[:1] for remark in remarks.get(name, [])]
+        noted = [result.noted(name) for s in scenes for name in (s.name, s.after)]
+        outcome.remarks += unsaid(noted, said)
+        outcomes.append(outcome)
+    return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
+
+
+def passes(assignment: Assignment, check: Check, played: PlayedJob) -> bool:
+    """Return whether a check passes or does not count."""
+    scenes = [assignment.scene(name) for name in check.scenes]
+    outcome = _outcome(check, scenes, played.result, played.truths)
+    return outcome.verdict is Verdict.PASS or not outcome.counted
+
+
+def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:
+    if isinstance(check, ReportedLine):
+        claims = result.reported.get((check.cell, check.call.place), ())
+        return check.reported(claims, _cause_of_cell(check.cell, result), stopped=check.cell in result.cells)
+    for scene in scenes:
+        if not result.finished(scene.name):
+            return check.unmeasured(_cause(scene, result))
+    if absent := _absent(check, scenes, result):
+        return check.unmeasured(absent.sentence)
+    return check.judge([result.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
+
+
+def _absent(check: Check, scenes: list[Scene], result: PlayResult) -> Absent | None:
+    """Return why an array that the check reads is absent, None if none is."""
+    found = (result.noted(s.name).unread(check.arrays) for s in scenes if result.finished(s.name))
+    return next(filter(None, found), None)
+
+
+def _cause(scene: Scene, result: PlayResult) -> str:
+    """Return why a scene has no result: its own scene end, or that of the scene it comes after."""
+    scene_end = result.scene_ends.get(scene.name)
+    if scene_end is None:
+        return "your code stopped before this scene was played"
+    if (
+        scene_end.ended is Ended.NOT_PLAYED
+        and scene.after in result.scene_ends
+        and not result.finished(scene.after)
+    ):
+        scene_end = result.scene_ends[scene.after]
+    return scene_end.sentence
+
+
+def _cause_of_cell(cell: str, result: PlayResult) -> str:
+    """Return why a published cell did not reach a line."""
+    if cell not in result.cells:
+        return "the cell did not reach this line, or your code stopped before"
+    return f"the validation cell stopped with {result.cells[cell].sentence}"

@@ -113,7 +113,8 @@ class Report:
         """Return whether there is a check with points and all checks pass, also those without points. One
         that is not measured has not passed.
         """
-        return bool(self.max_score) and all(outcome.verdict is Verdict.PASS for outcome in self.outcomes())
+        counted = [outcome for outcome in self.outcomes() if outcome.counted]
+        return bool(self.max_score) and all(outcome.verdict is Verdict.PASS for outcome in counted)
 
     def outcomes(self) -> list[Outcome]:
         """Return the outcomes of all exercises in order."""

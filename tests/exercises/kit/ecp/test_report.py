@@ -15,7 +15,7 @@ from tests.support.reports import outcome, report, report_of_verdicts
         ("++", (2, 2), True),
         ("+-", (1, 2), False),
         ("+?", (1, 2), False),
-        ("++.", (2, 2), False),
+        ("++.", (2, 2), True),
         (".", (0, 0), False),
         ("", (0, 0), False),
     ],

@@ -10,8 +10,8 @@ import time
 from exercises.catalogue import find
 from service.grading.grader import Grader
 from service.grading.submission import Submission
+from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
-from service.sandbox.warm_sandbox import WarmSandbox
 
 RIGID_BODY = find("rigid-body")
 FORMS = (
@@ -38,7 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench.forms", description=__doc__)
     parser.add_argument("--rounds", type=int, default=7, help="gradings of each form (default: 7)")
     rounds = parser.parse_args().rounds
-    grader = Grader(WarmSandbox(choose()))
+    grader = Grader(Sandbox(choose()))
     grader.ready()
     wall, cpu = {form: list[float]() for form in FORMS}, {form: list[float]() for form in FORMS}
     for seed in range(rounds + 1):
@@ -52,7 +52,6 @@ def main() -> None:
             if seed:  # the first round warms up
                 wall[form].append(took)
                 cpu[form].append(graded.cpu_s)
-            grader.sandbox.fork_next_child()  # as a worker does between two gradings
     medians = {form: statistics.median(times) for form, times in wall.items()}
     for form, median in sorted(medians.items(), key=lambda one: one[1]):
         print(f"{form:24} {1e3 * median:7.1f} ms   {1e3 * statistics.median(cpu[form]):7.1f} ms of CPU time")

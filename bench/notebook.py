@@ -14,8 +14,8 @@ from exercises.catalogue import find
 from service.grading.grader import Grader
 from service.grading.rendering import pack
 from service.grading.submission import Submission
+from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
-from service.sandbox.warm_sandbox import WarmSandbox
 
 RIGID_BODY = find("rigid-body")
 FILE = RIGID_BODY.folder / "samples" / "right_course_notebook.ipynb"
@@ -24,7 +24,7 @@ TIMES = 5
 
 def main() -> None:
     """Measure and print one line per measurement. Grading and executing alternate."""
-    grader = Grader(WarmSandbox(choose()))
+    grader = Grader(Sandbox(choose()))
     grader.ready()
     graded, plain, shown = [], [], []
     with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
@@ -54,7 +54,6 @@ def _grade(grader: Grader, seed: int) -> float:
     if not graded.report.passed:
         raise RuntimeError(f"{FILE.name} does not pass")
     spent = time.process_time() - began + graded.cpu_s
-    grader.sandbox.fork_next_child()  # as a worker does
     return spent
 
 

@@ -15,7 +15,6 @@ from exercises.wheel import wheel
 from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
-from service.sandbox.warm_sandbox import WarmSandbox
 from service.store.postgres.server import EmbeddedPostgres
 from service.store.schema import migrate
 from service.store.workers import LEASE_S
@@ -102,12 +101,6 @@ def rigid_body():
 def sandbox():
     """A sandbox at isolation level ``namespaces``, as a server has it where it can."""
     yield from _self_tested(Sandbox(choose("namespaces")))
-
-
-@pytest.fixture(scope="session")
-def warm_sandbox():
-    """The sandbox of a worker."""
-    yield from _self_tested(WarmSandbox(choose("namespaces")))
 
 
 @pytest.fixture(scope="session", params=["namespaces", "process"])

@@ -62,10 +62,7 @@ def grade(
     the assignment's own code fails.
     """
     with author_errors(assignment):
-        try:
-            return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
-        finally:
-            sandbox.end_unused_child()
+        return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
 
 
 def _grade(
@@ -83,10 +80,9 @@ def _grade(
     wanted = {s for e in asked for s in e.scenes()}
     needed = _with_precursors(assignment, with_used(assignment, wanted))
     scenes = [s for s in assignment.scenes if s.name in needed]
-    limits = sandbox.limits.at_least(assignment.cpu_s)
-    sandbox.start_child(job_of(submission, assignment, scenes), TimeBudget(limits))
     inputs = {s.name: draw_inputs(s, seed) for s in scenes}
-    job, budget = job_of(submission, assignment, scenes, inputs), TimeBudget(limits)
+    job = job_of(submission, assignment, scenes, inputs)
+    budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
     played = play_job(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
     chains = play_chains(assignment, played, sandbox)
     result = played.result

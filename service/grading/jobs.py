@@ -30,17 +30,15 @@ def job_of(
     submission: Submission,
     assignment: Assignment,
     scenes: Sequence[Scene],
-    inputs: Mapping[str, Inputs] | None = None,
+    inputs: Mapping[str, Inputs],
 ) -> Job:
-    """Return the sandbox job of a submission's cells and these scenes. Without ``inputs`` it is one for
-    ``Sandbox.start_child``.
-    """
+    """Return the sandbox job of a submission's cells and these scenes."""
     requests = tuple(
         SceneRequest(
             s.name,
             s.play,
             s.function,
-            {} if inputs is None else {k: v for k, v in inputs[s.name].items() if k not in s.withheld},
+            {name: value for name, value in inputs[s.name].items() if name not in s.withheld},
             s.returns,
             s.budget_s,
             s.after,

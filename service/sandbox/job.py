@@ -3,11 +3,10 @@
 import ast
 import base64
 import functools
-import hashlib
 import json
 import marshal
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ import numpy as np
 from ecp.outcome import SceneEnd
 from exercises.assignment import ArraySpec
 from service.sandbox.guest.place import Place
-from service.sandbox.guest.wire import BYTES, FILES, KEPT, LENGTH, NUMBERS
+from service.sandbox.guest.wire import BYTES, FILES, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
 SHORT = 20  # numbers that are sent as digits
@@ -74,25 +73,6 @@ class ReferenceFunctions:
 
 
 @dataclass(frozen=True)
-class Kept:
-    """A part of jobs that is the same for many submissions. A guest can keep it, and then reads its ``name``
-    instead.
-    """
-
-    name: str
-    value: Any = field(compare=False)
-
-    @classmethod
-    def of(cls, value: Any) -> "Kept":
-        """Return ``value`` with a name of its own."""
-        return cls(hashlib.sha256(json.dumps(value, default=_listed).encode()).hexdigest(), value)
-
-    def encode(self) -> bytes:
-        """Return the value as the guest reads it."""
-        return _encoded(self.value)
-
-
-@dataclass(frozen=True)
 class Job:
     """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
 
@@ -133,26 +113,8 @@ class Job:
         source = lines[place.line - 1].strip() if 0 < place.line <= len(lines) else ""
         return f'  File "{place.cell}", line {place.line}, in <module>\n    {source}\n'
 
-    @property
-    def kept(self) -> list[Kept]:
-        """The parts that a guest can keep."""
-        return [
-            *self.code,
-            *(value for s in self.scenes for value in s.inputs.values() if isinstance(value, Kept)),
-        ]
-
-    @property
-    def code(self) -> tuple[Kept, Kept]:
-        """The setup and the plays."""
-        setup = (
-            "" if any(cell.published for cell in self.cells) else self.setup
-        )  # it is one of the published cells
-        return _compiled(setup, FILES["setup"]), _compiled(self.plays, FILES["plays"])
-
-    def encode(self, *, kept: bool = False) -> bytes:
-        """Return the job as the guest reads it: a length and JSON. With ``kept`` it names the parts that the
-        guest keeps.
-        """
+    def encode(self) -> bytes:
+        """Return the job as the guest reads it: a length and JSON."""
         scenes = [
             {
                 "name": s.name,
@@ -161,8 +123,6 @@ class Job:
                 "inputs": s.inputs,
                 "budget_s": s.budget_s,
                 "after": s.after,
-            }
-            | {
                 "question": s.question,
                 "source": s.source,
                 "needs": s.needs,
@@ -170,10 +130,10 @@ class Job:
             }
             for s in self.scenes
         ]
-        setup, plays = self.code
+        published = any(cell.published for cell in self.cells)  # the setup is one of these
         document = {
-            "setup": setup,
-            "plays": plays,
+            "setup": _compiled("" if published else self.setup, FILES["setup"]),
+            "plays": _compiled(self.plays, FILES["plays"]),
             "notebook": self.notebook,
             "may_run_again": len(self.left_out) < MOST_LEFT_OUT,
             "left_out": [[place, _cause(end)] for place, end in self.left_out.items()],
@@ -184,7 +144,7 @@ class Job:
             "scenes": scenes,
             "reference": self.reference.names if self.reference else (),
         }
-        return _encoded(document, _named if kept else _listed)
+        return _encoded(document)
 
     def encode_reference(self) -> bytes:
         """Return the job of the process with the reference functions."""
@@ -208,7 +168,7 @@ def _is_interactive(cells: tuple[Cell, ...]) -> bool:
 
 
 @functools.lru_cache(maxsize=64)
-def _compiled(source: str, name: str) -> Kept:
+def _compiled(source: str, name: str) -> dict[str, str]:
     """Return a source and its code as text, empty if the source is invalid: the guest, the same interpreter,
     then reports that.
     """
@@ -216,21 +176,15 @@ def _compiled(source: str, name: str) -> Kept:
         code = base64.b64encode(marshal.dumps(compile(source, name, "exec"))).decode()
     except (SyntaxError, ValueError):
         code = ""
-    return Kept.of({"source": source, "code": code})
+    return {"source": source, "code": code}
 
 
-def _encoded(document: Any, default: Callable[[Any], Any] | None = None) -> bytes:
-    text = json.dumps(document, default=default or _listed).encode()
+def _encoded(document: Any) -> bytes:
+    text = json.dumps(document, default=_listed).encode()
     return LENGTH.pack(len(text)) + text
 
 
-def _named(value: Any) -> Any:
-    return {KEPT: value.name} if isinstance(value, Kept) else _listed(value)
-
-
 def _listed(value: Any) -> Any:
-    if isinstance(value, Kept):
-        return value.value
     if isinstance(value, bytes):
         return {BYTES: base64.b64encode(value).decode()}
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.size > SHORT:

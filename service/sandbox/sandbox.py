@@ -4,7 +4,6 @@ lost.
 
 import logging
 import threading
-from collections.abc import Callable
 
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
@@ -24,8 +23,7 @@ TRIES = 2
 class Sandbox:
     """A sandbox with one warm guest at the given ``isolation``. ``limits`` are those of one grading.
 
-    Its first guest is the process ``first``, if there is one. ``small`` guests have neither SciPy nor
-    matplotlib: ``play`` then raises LibraryNeeded if a submission uses one.
+    Its first guest is the process ``first``, if there is one.
     """
 
     def __init__(
@@ -33,17 +31,13 @@ class Sandbox:
         isolation: Isolation,
         limits: TimeLimits = DEFAULT_LIMITS,
         first: GuestProcess | None = None,
-        *,
-        small: bool = False,
     ) -> None:
-        self.isolation, self.limits, self._first, self._small = isolation, limits, first, small
+        self.isolation, self.limits, self._first = isolation, limits, first
         self._zygote: Zygote | None = None
         self._plays = 0
         self.zygotes = 0  # started so far
         self.self_tested = False
         self.identity: Identity | None = None  # what the guest of the self-test reported
-        # whether a guest gets what jobs have in common only once, and forks the next child when asked to
-        self.keeps = False
         self._turn = threading.Lock()
         self.cancelled = (
             threading.Event()
@@ -55,11 +49,8 @@ class Sandbox:
             self._plays = 0
             self.zygotes += 1
             command, environment = self.isolation.command, self.isolation.environment
-            process, self._first = (
-                self._first or GuestProcess(command, environment, libraries=not self._small),
-                None,
-            )
-            self._zygote = Zygote(process, self.cancelled, keeps=self.keeps)
+            process, self._first = self._first or GuestProcess(command, environment), None
+            self._zygote = Zygote(process, self.cancelled)
         return self._zygote
 
     @property
@@ -112,37 +103,6 @@ class Sandbox:
         with self._turn:
             return self._play(job, on_scene, budget or TimeBudget(self.limits))
 
-    def start_child(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next, before its inputs are known. Do nothing while another
-        thread plays.
-        """
-        self._unless_playing(lambda: self.start().start_child(job, budget))
-
-    def end_unused_child(self) -> None:
-        """End a child that was started and has no job. Do nothing while another thread plays."""
-        if self._zygote is not None:
-            self._unless_playing(self._zygote.end_unused_child)
-
-    def fork_next_child(self) -> None:
-        """Let the guest fork the next child in advance. Do nothing while another thread plays."""
-        if self._zygote is not None:
-            self._unless_playing(self._zygote.fork_next_child)
-
-    def _unless_playing(self, action: Callable[[], None]) -> None:
-        """Call ``action`` if no other thread plays. If it fails, end the guest: a play then starts another
-        one.
-        """
-        if not self._turn.acquire(blocking=False):
-            return
-        try:
-            action()
-        except BaseException as error:
-            self._end_guest()
-            if not isinstance(error, ZygoteLost):
-                raise
-        finally:
-            self._turn.release()
-
     def _play(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
         result = PlayResult()
         while (left := job.without(set(result.scene_ends))).scenes or not (result.loaded or job.scenes):
@@ -179,7 +139,7 @@ class Sandbox:
                 if number == TRIES - 1:
                     raise SystemFault(str(lost)) from lost
                 continue
-            except (Cancelled, LibraryNeeded):
+            except Cancelled:
                 raise
             except BaseException:
                 self._end_guest()
@@ -205,8 +165,6 @@ class Sandbox:
             try:
                 return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
             except LibraryNeeded as needed:
-                if self._small:
-                    raise
                 zygote.import_library(needed.library)
 
     def close(self) -> None:

@@ -18,13 +18,10 @@ from io import FileIO
 from pathlib import Path
 
 from service.sandbox.guest.zygote import (
-    FORK,
+    COPY,
     IMPORT,
     IPYTHON,
-    KEEP,
     KINDS_MODULE,
-    LOAD,
-    LOAD_S,
     NEEDED,
     PLAY,
     READY,
@@ -32,7 +29,7 @@ from service.sandbox.guest.zygote import (
 )
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
-from service.sandbox.job import Job, Kept
+from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorWait, TimeBudget, processor_wait
@@ -60,13 +57,11 @@ class LibraryNeeded(Exception):
 
 
 class _Child:
-    """A child that the zygote was asked to start, its ``limit`` of CPU time in seconds, and the host's ends
-    of its pipes.
-    """
+    """A child that the zygote was asked to start, and the host's ends of its pipes."""
 
-    def __init__(self, limit: int) -> None:
+    def __init__(self) -> None:
         (job, job_pipe), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
-        self.limit, self.theirs = limit, [job, result, output]
+        self.theirs = [job, result, output]
         self.job_pipe, self.answers, self.printed = FileIO(job_pipe, "w"), FileIO(answers), FileIO(printed)
 
     def close(self) -> None:
@@ -77,20 +72,17 @@ class _Child:
 
 class Zygote:
     """A zygote in the process ``started``. Children can read its folder, which holds the job's data files
-    during a play. If it ``keeps`` parts of jobs, it gets each of them once, and forks its next child only on
-    ``fork_next_child``.
+    during a play.
 
     Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
 
-    def __init__(self, started: GuestProcess, cancelled: threading.Event, *, keeps: bool = False) -> None:
+    def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
         self._started, self._control = started, started.control
-        self._keeps, self._kept, self._loads = keeps, frozenset[Kept](), list[str]()
         self._cancelled = cancelled
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
         self._exit_is_unread = False  # the message that the last child has exited has not been read
-        self._started_child: _Child | None = None  # a child that waits for its job
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
         """Return a copy, which ends with this one. All share one folder of data files, so only one of them
@@ -100,10 +92,10 @@ class Zygote:
         """
         other = copy.copy(self)
         other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        other._identity = other._started_child = None
+        other._identity = None
         other._is_copy, other._cancelled, other._exit_is_unread = True, cancelled, False
         with theirs:
-            socket.send_fds(self._control, [b"copy"], [theirs.fileno()])
+            socket.send_fds(self._control, [COPY], [theirs.fileno()])
         return other
 
     def wait_ready(self) -> Identity:
@@ -150,77 +142,23 @@ class Zygote:
         """
         self.wait_ready()
         if job.notebook and IPYTHON not in self.imported:
-            self.end_unused_child()
             self.import_library(IPYTHON)
-        if self._started_child is not None and not self._can_play(self._started_child, job, budget):
-            self.end_unused_child()
-        started, self._started_child = self._started_child, None
+        if KINDS_MODULE in job.plays and "kinds" not in self.imported:
+            self.import_library("kinds")
         with self._data_files(job) if job.data else contextlib.nullcontext():
-            child = started or self._start(job, budget)
+            child = self._start(job, budget)
             with contextlib.closing(child):
                 try:
-                    unsent = _write_first(child.job_pipe, job.encode(kept=self._keeps))
-                except BrokenPipeError as error:
-                    if started:
-                        raise ZygoteLost("the child has ended before its play") from error
+                    unsent = _write_first(child.job_pipe, job.encode())
+                except BrokenPipeError:
                     unsent = memoryview(b"")  # its exit and its output say why
                 return self._play(child, unsent, job, budget, Reader(job, result, on_scene))
-
-    def start_child(self, job: Job, budget: TimeBudget) -> None:
-        """Start the child that plays ``job`` next, before its inputs are known. Raises ZygoteLost.
-
-        Do nothing if one has started, or if the job has data files or reference functions.
-        """
-        self.wait_ready()
-        lacks = job.notebook and IPYTHON not in self.imported
-        if not (self._started_child or job.data or job.reference or lacks):
-            self._started_child = self._start(job, budget)
-
-    def _can_play(self, child: _Child, job: Job, budget: TimeBudget) -> bool:
-        """Return whether the child that has started has the job's code and the limit of CPU time of the
-        budget.
-        """
-        loaded = not self._keeps or (
-            self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code]
-        )
-        return loaded and child.limit == _limit(budget) and not (job.data or job.reference)
-
-    def end_unused_child(self) -> None:
-        """End a child that was started and has no job. Raises ZygoteLost."""
-        child, self._started_child = self._started_child, None
-        if child is None:
-            return
-        with contextlib.closing(child):
-            pidfds = self._pidfds(1)
-        with contextlib.suppress(ProcessLookupError):
-            signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)
-        _close(*pidfds)
-        self._exit_is_unread = True
-
-    def fork_next_child(self) -> None:
-        """Let the zygote fork the next child in advance. Raises ZygoteLost."""
-        self._send(FORK)
 
     def _send(self, message: bytes, *fds: int) -> None:
         try:
             socket.send_fds(self._control, [message], fds)
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
-
-    def _keep(self, job: Job) -> None:
-        """Let the zygote keep parts of the job, and load its code in children before their jobs, unless it
-        may read data files.
-        """
-        for kept in set(job.kept) - self._kept:
-            fd = _file(kept.encode())
-            try:
-                self._tell(KEEP + kept.name.encode(), fd)
-            finally:
-                os.close(fd)
-            self._kept |= {kept}
-        if self._loads != (names := [] if job.data else [part.name for part in job.code]):
-            self._tell(LOAD + " ".join(names).encode())
-            self._loads = names
 
     def _tell(self, message: bytes, *fds: int) -> None:
         """Send a message and wait until the zygote has done what it says. Raises ZygoteLost."""
@@ -232,17 +170,13 @@ class Zygote:
 
     def _start(self, job: Job, budget: TimeBudget) -> _Child:
         """Ask the zygote to start a child that can play ``job``."""
-        if KINDS_MODULE in job.plays and "kinds" not in self.imported:
-            self.import_library("kinds")
-        if self._keeps:
-            self._keep(job)
         if self._exit_is_unread:
             self._read_exit()
         reference = [] if job.reference is None else [_file(job.encode_reference())]
-        child = _Child(_limit(budget))
+        child = _Child()
         try:
-            # a guest that stays forks its next child after the grading, which may need the processors now
-            self._send(PLAY.pack(child.limit, not self._keeps), *child.theirs, *reference)
+            limit = max(1, math.ceil(budget.cpu_left()))
+            self._send(PLAY.pack(limit), *child.theirs, *reference)
         except ZygoteLost:
             child.close()
             raise
@@ -321,7 +255,7 @@ class Zygote:
         """Return the pidfd of the child that was started, and with ``count`` 2 that of the one with its
         reference functions.
         """
-        self._control.settimeout(ANSWER_S + (LOAD_S if self._loads else 0.0))
+        self._control.settimeout(ANSWER_S)
         try:
             word, pidfds, _, _ = socket.recv_fds(self._control, 16, 2)
         except OSError as error:
@@ -335,11 +269,8 @@ class Zygote:
         """Kill the zygote and its children, and wait until it has exited, for at most 10 s: what it has sent
         is valid in any case.
 
-        A copy ends when its socket is shut down. A child without a job exits when its pipes are closed.
+        A copy ends when its socket is shut down.
         """
-        if self._started_child is not None:
-            self._started_child.close()
-            self._started_child = None
         if self._is_copy:
             with contextlib.suppress(OSError):
                 self._control.shutdown(socket.SHUT_RDWR)
@@ -349,11 +280,6 @@ class Zygote:
             self._started.kill()
         except subprocess.TimeoutExpired:
             log.error("the sandbox process %d could not be killed", self._started.process.pid)
-
-
-def _limit(budget: TimeBudget) -> int:
-    """Return the limit of CPU time in seconds of a child that starts now."""
-    return max(1, math.ceil(budget.cpu_left()))
 
 
 def _with_children(pid: int) -> list[int]:

@@ -21,10 +21,10 @@ from exercises.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
 from service.sandbox.result import Cancelled, SystemFault
+from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits
 from service.sandbox.untrusted_text import text
-from service.sandbox.warm_sandbox import WarmSandbox
 from service.settings import Settings
 from service.store import runs, sweeps, workers
 from service.store.artefacts import store_artefacts
@@ -114,7 +114,7 @@ class Worker:
                     choose, self._settings.min_isolation, self._settings.allow_root_guest
                 )
                 packages = sorted({name for known in assignments().values() for name in known.packages})
-                self._grader = Grader(WarmSandbox(with_packages(isolation, packages), self._limits))
+                self._grader = Grader(Sandbox(with_packages(isolation, packages), self._limits))
                 await self._call(self._grader.ready)
                 self._isolation = isolation.name
                 return True
@@ -179,7 +179,6 @@ class Worker:
             heartbeats.cancel()
             cancelled.clear()
             self._claimed = None
-            self._grader.sandbox.fork_next_child()  # only now, as it takes processor time
 
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
@@ -188,8 +187,6 @@ class Worker:
         if number is not None:
             artefacts = await self._measure(job, number)
             await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
-            assert self._grader is not None
-            self._grader.sandbox.fork_next_child()
         await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
 
     async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:

@@ -20,8 +20,8 @@ pytestmark = pytest.mark.slow  # test_pages.py has the way of each role in short
 BASE = "/assignments/rigid-body"
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 NOTHING = "def euler_eqs(t, w, I):\n    pass\n"
-LOOP = (
-    GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n")
+LOOP = (  # in a motion, which may take longer than the points
+    GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 2000:\n        pass\n")
     + "calls = []\n"
 )
 OTHER = Diagnosis("cyclic-order", "ω̇₂ multiplies ω₁·ω₂ where ω₃·ω₁ belongs", 1.0)

@@ -28,7 +28,7 @@ from .claims import Recorder
 from .ending import Cause, ending
 from .nothing import NOTHING
 from .seal import Seal, in_place, names_used, private_modules
-from .wire import FILES, JobReader, Writer, forget, kept
+from .wire import FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
@@ -49,9 +49,9 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     names.
     """
     job, write = JobReader(job_fd).job(), Writer(result_fd)
-    forget()
     try:
-        plays, unchanged, module = _loaded(job)
+        plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
+        module = prepare(code(job, "setup"))
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
@@ -59,29 +59,6 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
         _run(job, plays, module, write, unchanged=unchanged, reference=reference)
-
-
-def load(setup: str, plays: str) -> None:
-    """Load the setup and the plays that this process keeps by these names, before the job that has them
-    arrives.
-    """
-    parts = {"setup": kept(setup), "plays": kept(plays)}
-    _in_advance.append((parts, _loaded(parts)))
-
-
-Loaded = tuple[Names, Callable[[], None], types.ModuleType]
-_in_advance = list[tuple[dict[str, Any], Loaded]]()
-
-
-def _loaded(job: dict[str, Any]) -> Loaded:
-    """Return the names that the job's plays define, a function as ``_load_plays`` returns it, and the
-    namespace after its setup.
-    """
-    if _in_advance:
-        parts, loaded = _in_advance.pop()
-        if all(part is job[name] for name, part in parts.items()):
-            return loaded
-    return *_load_plays(job["plays"]["source"], code(job, "plays")), prepare(code(job, "setup"))
 
 
 def code(job: dict[str, Any], name: str) -> types.CodeType:
@@ -217,14 +194,6 @@ def copy_modules() -> None:
             integration.solve_ivp()
     with private_modules(RECORDER):
         pass
-
-
-def rehearse() -> None:
-    """Do what each play begins with, without a play, so that the memory it writes to is this process's own
-    before the play.
-    """
-    _, unchanged = _load_plays("", compile("", FILES["plays"], "exec"))
-    unchanged()
 
 
 class _Private(NamedTuple):

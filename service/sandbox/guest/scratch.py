@@ -46,8 +46,8 @@ class Scratch:
         self._most_bytes, self._most_entries = MOST_BYTES, MOST_ENTRIES
         self._reserve = 0
 
-    def begin(self, data: str) -> None:
-        """Put the files below the folder ``data`` there before a play, without the modules of the assignment,
+    def fill(self, data: str) -> None:
+        """Put the files below the folder ``data`` there, without the modules of the assignment,
         which are imported from ``data``.
         """
         copied = 0
@@ -62,15 +62,11 @@ class Scratch:
             else:
                 target.write_bytes(file.read_bytes())
                 copied += size
-        self.allow_what_is_there()
+        sizes = [*_sizes(self.path)]  # a child may add to these
+        self._most_bytes, self._most_entries = MOST_BYTES + sum(sizes), MOST_ENTRIES + len(sizes)
         system = os.statvfs(self.path)
         small = system.f_blocks * system.f_frsize <= 2 * ROOM  # it has no other files
         self._reserve = 0 if small else min(MOST_RESERVE, system.f_bavail * system.f_frsize // 4)
-
-    def allow_what_is_there(self) -> None:
-        """Count only what is added from now on."""
-        sizes = [*_sizes(self.path)]
-        self._most_bytes, self._most_entries = MOST_BYTES + sum(sizes), MOST_ENTRIES + len(sizes)
 
     def enter(self) -> None:
         """Make it the working folder, home and folder for temporary files of this process, and the first one

@@ -21,7 +21,6 @@ CLOCK_FACTOR = (
 )
 BYTES = "base64"  # key of an object that stands for bytes
 NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
-KEPT = "kept by name"  # key of an object that stands for a value that this guest keeps, and its name
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]
 
@@ -45,30 +44,10 @@ def _header(shapes: Shapes) -> bytes:
     return HEADER.pack(len(head)) + head
 
 
-_kept: dict[str, Any] = {}
-
-
-def keep(name: str, fd: int) -> None:
-    """Read a value as ``JobReader.job`` does and keep it for the jobs that contain its name."""
-    _kept[name] = JobReader(fd).job()
-
-
-def kept(name: str) -> Any:
-    """Return the value that this process keeps by a name."""
-    return _kept[name]
-
-
-def forget() -> None:
-    """Keep nothing any more: a submission must not read the parts of other assignments' jobs."""
-    _kept.clear()
-
-
 def _decoded(value: dict[str, Any]) -> Any:
-    """Return numbers that the host has sent as bytes as nested lists, bytes as such, a kept value for its
-    name, any other object as it is.
+    """Return numbers that the host has sent as bytes as nested lists, bytes as such, any other object as it
+    is.
     """
-    if KEPT in value:
-        return _kept[value[KEPT]]
     if BYTES in value:
         return base64.b64decode(value[BYTES])
     if NUMBERS not in value:

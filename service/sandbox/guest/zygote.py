@@ -1,19 +1,15 @@
 """The zygote: a warm process that imports the libraries once and forks a child for each play.
 
-It reads no submission and has no secret. It forks the child of the next play in advance (``_Spare``), which
-waits for its files: when it starts, on FORK, or when a play begins if the host says so. Each child that runs
-a submission has a scratch folder (scratch.py). If one cannot be removed, the zygote ends.
+It reads no submission and has no secret. Each child that runs a submission has a scratch folder
+(scratch.py). If one cannot be removed, the zygote ends.
 
 For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it
 used. With a fourth descriptor, a job of reference functions, a second child holds these and answers calls of
 the first one (calls.py): it gets the same layers and limits, its pidfd and wait status are returned too, and
-it does not survive the first. The zygote's first message is READY and its identity as JSON. With a single
-descriptor, a control socket, it forks a copy of itself that obeys that socket. A zygote that imports a
-library of MODULES later does so when it receives IMPORT and the name of one, and answers READY. With KEEP, a
-name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY. With
-LOAD and the names of a kept setup and of kept plays, every child loads these before its job arrives, which
-has the same; with LOAD alone none does.
+it does not survive the first. The zygote's first message is READY and its identity as JSON. On COPY, with a
+control socket, it forks a copy of itself that obeys that socket. A zygote that imports a library of MODULES
+later does so when it receives IMPORT and the name of one, and answers READY.
 """
 
 import contextlib
@@ -28,7 +24,7 @@ import struct
 import sys
 import traceback
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 from .scratch import FULL, WATCH_S, Scratch
 
@@ -38,10 +34,7 @@ NEEDED = {
 }  # exit codes of a child that uses a library which the zygote has not imported
 LOCKDOWN_FAILED = 97  # exit code
 READY = b"ready"
-LIMIT = struct.Struct("<i")  # of CPU time in seconds
-PLAY = struct.Struct(
-    "<i?"
-)  # limit of CPU time in seconds, and whether the child of the next play is forked now
+PLAY = struct.Struct("<i")  # limit of CPU time in seconds
 REAPED = struct.Struct("<iid?")
 """Wait status, that of the child with the reference functions or 0, CPU time of both in seconds, and whether
 the child ended because its scratch folder was full.
@@ -67,10 +60,7 @@ MODULES = {
     ),
     IPYTHON: ("guest.shell",),
 }
-IMPORT, KEEP, LOAD, FORK = b"import ", b"keep ", b"load ", b"fork"
-# for a setup and plays: less than the host waits for a child. If it takes longer, the code is loaded within
-# the play
-LOAD_S = 2
+IMPORT, COPY = b"import ", b"copy"
 LATER = "libraries-later"
 
 
@@ -122,28 +112,17 @@ def main(
     _obey(control, prepared, rooms)
 
 
-def _obey(control: socket.socket, prepared: Any, rooms: Sequence[str]) -> None:
+def _obey(control: socket.socket, layers: Any, rooms: Sequence[str]) -> None:
     """Do what the control socket asks for, until the host closes it."""
     from .lockdown import identity
 
     room, copies = rooms[0], 0
-    code: Sequence[str] = ()
-    spare: _Spare | None = _Spare(prepared, room)
     while True:
-        play, fds, _, _ = socket.recv_fds(control, 256, 4)
-        if play == FORK:
-            spare = spare or _Spare(prepared, room, code)
-            continue
-        if play.startswith((IMPORT, KEEP, LOAD)):
-            code = _obey_between_plays(play, fds, code)
-            if spare:
-                spare.end()
-            spare = None
+        message, fds, _, _ = socket.recv_fds(control, 256, 4)
+        if message.startswith(IMPORT):
+            _import_later(message.removeprefix(IMPORT).decode())
             control.send(READY)
-            continue
-        if not fds:
-            return
-        if len(fds) == 1:
+        elif message == COPY:
             copies += 1
             if middle := os.fork():
                 os.waitpid(middle, 0)
@@ -153,39 +132,30 @@ def _obey(control: socket.socket, prepared: Any, rooms: Sequence[str]) -> None:
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
                 room = rooms[copies % len(rooms)]
-                spare = _Spare(prepared, room, code)  # the other one is not a child of the copy
                 control.send(READY + json.dumps(identity()).encode())
-            continue
-        cpu_s, at_once = PLAY.unpack(play)
-        theirs, calls = fds[:3], []
-        children = []
-        if len(fds) > len(theirs):
-            calls = [end.detach() for end in socket.socketpair()]
-            children.append(_fork(prepared, fds[3], calls[0], cpu_s))
-        started = (spare or _Spare(prepared, room)).start(cpu_s, [*theirs, *calls[1:]])
-        children.insert(0, started.pid)
-        code = started.code if spare else code  # none if the spare could not load it
-        for fd in (*fds, *calls):
-            os.close(fd)
-        handles = [os.pidfd_open(child) for child in children]
-        socket.send_fds(control, [b"child"], handles)
-        spare = _Spare(prepared, room, code) if at_once else None
-        control.send(_reap(children, handles, started.scratch))
-        started.scratch.remove()
+        elif fds:
+            _play(control, layers, room, PLAY.unpack(message)[0], fds)
+        else:
+            return
 
 
-def _obey_between_plays(message: bytes, fds: Sequence[int], code: Sequence[str]) -> Sequence[str]:
-    """Obey IMPORT, KEEP or LOAD. Return the names of the code that children load in advance from now on,
-    before ``code``.
+def _play(control: socket.socket, layers: Any, room: str, cpu_s: int, fds: list[int]) -> None:
+    """Start the children of a play with descriptors of job, result, output, and the reference functions if
+    there is a fourth. Report their pidfds and how they ended, and remove the scratch folder.
     """
-    if message.startswith(LOAD):
-        return message.removeprefix(LOAD).decode().split()
-    if message.startswith(IMPORT):
-        _import_later(message.removeprefix(IMPORT).decode())
-    else:
-        sys.modules["guest.wire"].keep(message.removeprefix(KEEP).decode(), fds[0])
-        os.close(fds[0])
-    return code
+    scratch, calls = Scratch(room), list[int]()
+    scratch.fill(os.curdir)
+    reference = fds[3:]
+    if reference:
+        calls = [end.detach() for end in socket.socketpair()]
+    children = [_fork_submission(layers, scratch, [*fds[:3], *calls[1:]], cpu_s)]
+    children += [_fork_reference(layers, job, calls[0], cpu_s) for job in reference]
+    for fd in (*fds, *calls):
+        os.close(fd)
+    handles = [os.pidfd_open(child) for child in children]
+    socket.send_fds(control, [b"child"], handles)
+    control.send(_reap(children, handles, scratch))
+    scratch.remove()
 
 
 def _import_later(library: str) -> None:
@@ -237,103 +207,32 @@ def _watch(child: int, handle: int, scratch: Scratch) -> bool:
     return False
 
 
-class _Spare:
-    """A child with the process id ``pid``, forked in advance. It loads the setup and the plays kept by the
-    names ``code``, if any, waits for its limit of CPU time and its descriptors, and has no other files open.
-    Its scratch folder is in ``room``.
-    """
-
-    def __init__(self, layers: Any, room: str, code: Sequence[str] = ()) -> None:
-        self.code, self.scratch = code, Scratch(room)
-        self._layers, self._room, zygote = layers, room, os.getpid()
-        self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self.pid = os.fork()
-        if self.pid == 0:
-            try:
-                _wait(layers, theirs.detach(), zygote, code, self.scratch)
-            except BaseException:
-                traceback.print_exc()
-            finally:
-                os._exit(LOCKDOWN_FAILED)
-        theirs.close()
-
-    def start(self, cpu_s: int, fds: list[int]) -> "_Spare":
-        """Let the child begin with descriptors of its job, result and output, and one for calls if there is a
-        fourth, and with the data files in this process's folder. Return it, or another one if it has failed.
-        """
-        self.scratch.begin(os.curdir)
-        try:
-            socket.send_fds(self._socket, [LIMIT.pack(cpu_s)], fds)
-            began = bool(self._socket.recv(1))
-        except OSError:
-            began = False
-        # it has been killed, by a lack of memory perhaps, or could not load the code, which its play then
-        # reports
-        if not began:
-            self.end()
-            return _Spare(self._layers, self._room).start(cpu_s, fds)
-        self._socket.close()
-        return self
-
-    def end(self) -> None:
-        """End the child without a play."""
-        self._socket.close()
-        os.kill(self.pid, signal.SIGKILL)  # it may be loading
-        os.waitpid(self.pid, 0)
-        self.scratch.remove()
-
-
-def _wait(layers: Any, fd: int, zygote: int, code: Sequence[str], scratch: Scratch) -> None:
-    """Load ``code`` in a new child of the ``zygote``, wait for a play, and run it."""
-    from .lockdown import die_with_parent
-
-    die_with_parent(zygote)
-    scratch.enter()
-    layers.own_folder(scratch.path)
-    layers.close_all_but({0: 0, 1: 1, 2: 2, 3: fd})
-    run_scenes = importlib.import_module("guest.run_scenes")
-    run_scenes.rehearse()
-    if code:
-        layers.limit()
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.alarm(LOAD_S)
-        free = _free_fd()
-        run_scenes.load(*code)
-        if _free_fd() != free:
-            raise OSError("the setup keeps a file open")  # which would be closed before the play
-        signal.alarm(0)
-    with socket.socket(fileno=3) as ours:
-        limit, fds, _, _ = socket.recv_fds(ours, LIMIT.size, 4)
-        if not fds:
-            os._exit(0)
-        scratch.allow_what_is_there()
-        ours.send(b"!")
-        ours.detach()
+def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], cpu_s: int) -> int:
+    """Start the child that runs a submission, and return its process id."""
+    zygote = os.getpid()
+    if child := os.fork():
+        return child
+    try:
+        sys.modules["guest.lockdown"].die_with_parent(zygote)
+        scratch.enter()
+        layers.own_folder(scratch.path)
+    except BaseException:
+        traceback.print_exc()
+        os._exit(LOCKDOWN_FAILED)
     job, result, output, *calls = fds
-    _run(
-        "run_scenes",
-        layers,
-        {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)),
-        *LIMIT.unpack(limit),
-    )
+    places = {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5))
+    _run("run_scenes", layers, places, cpu_s)
 
 
-def _free_fd() -> int:
-    """Return the number that the next file would get."""
-    os.close(fd := os.dup(0))
-    return fd
-
-
-def _fork(layers: Any, job: int, calls: int, cpu_s: int) -> int:
-    """Start a child that holds reference functions, and return its process id."""
+def _fork_reference(layers: Any, job: int, calls: int, cpu_s: int) -> int:
+    """Start the child that holds reference functions, and return its process id."""
     if child := os.fork():
         return child
     layers.own_folder(None)
     _run("reference", layers, {1: None, 2: None, 3: job, 4: calls}, cpu_s)
-    raise AssertionError
 
 
-def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int) -> None:
+def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int) -> NoReturn:
     """Run a program of this package with descriptors at ``places``, from 3 on, None for /dev/null.
     Exit then.
     """

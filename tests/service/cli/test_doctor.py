@@ -15,7 +15,7 @@ def test_the_isolation_level_and_what_was_tried_against_it(capsys):
     printed = capsys.readouterr().out
     assert (
         "isolation     namespaces: bubblewrap" in printed
-        and "all 14 forbidden operations were blocked" in printed
+        and "all 16 forbidden operations were blocked" in printed
     )
     user = GUEST_UID if os.geteuid() == 0 else os.getuid()
     assert f"guest         user {user}, groups " in printed and "capabilities none" in printed

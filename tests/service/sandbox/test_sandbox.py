@@ -400,27 +400,6 @@ def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_s
     assert zygote_pid(either_sandbox) != killed
 
 
-@BY_THE_HOST
-def test_a_child_forked_in_advance_that_was_killed_is_replaced(either_sandbox):
-    either_sandbox.play(job(GOOD))
-    either_sandbox.fork_next_child()
-    zygote = zygote_pid(either_sandbox)
-    spare = only_child(zygote)
-    os.kill(spare, signal.SIGKILL)
-    assert either_sandbox.play(job(GOOD)).finished("one") and zygote_pid(either_sandbox) == zygote
-    either_sandbox.fork_next_child()
-    assert only_child(zygote) != spare
-
-
-def only_child(zygote):
-    """The child that waits for a play, once the one of the last play has exited."""
-    deadline = time.monotonic() + 5
-    while len(found := children(zygote)) != 1:
-        assert time.monotonic() < deadline, found
-        time.sleep(0.01)
-    return found[0]
-
-
 @pytest.mark.slow
 @BY_THE_HOST
 def test_a_zygote_lost_in_the_middle_costs_nothing(either_sandbox):

@@ -350,29 +350,4 @@ SANDBOX = [
         "return False",
         ("tests/service/sandbox/test_time_budget.py::test_a_submission_without_a_processor_is_not_judged",),
     ),
-    Breakage(
-        "a child started in advance plays with the code of another assignment",
-        "service/sandbox/zygote.py",
-        "self._kept.issuperset(job.kept) and self._loads == [part.name for part in job.code]",
-        "self._kept.issuperset(job.kept)",
-        (
-            "tests/service/sandbox/test_warm_sandbox.py::test_a_job_that_the_started_child_cannot_play_gets_another_child",
-        ),
-    ),
-    Breakage(
-        "a guest that has failed to start is not replaced",
-        "service/sandbox/sandbox.py",
-        "            self._end_guest()\n            if not isinstance(error, ZygoteLost):\n"
-        "                raise\n",
-        "            if not isinstance(error, ZygoteLost):\n                raise\n"
-        "            self._end_guest()\n",
-        ("tests/service/sandbox/test_warm_sandbox.py::test_a_guest_that_does_not_start_is_replaced",),
-    ),
-    Breakage(
-        "a child without a job is left to the next grading",
-        "service/grading/grade.py",
-        "            sandbox.end_unused_child()\n",
-        "            pass\n",
-        ("tests/service/sandbox/test_warm_sandbox.py::test_a_grading_leaves_no_child_without_a_job",),
-    ),
 ]

@@ -5,6 +5,7 @@ import os
 import select
 import signal
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -221,11 +222,17 @@ def test_a_zygote_that_cannot_remove_a_folder_is_replaced():
     try:
         one.wait_ready()
         room = one.start()._started.data.parent / "scratch"
-        (folder,) = _until(lambda: [*room.iterdir()])
-        (folder / "kept").mkdir()
-        (folder / "kept" / "file").touch()
-        played(one)
         replaced = one.replaced
+
+        def keep_a_file():
+            (folder,) = _until(lambda: [*room.iterdir()])
+            (folder / "kept").mkdir()
+            (folder / "kept" / "file").touch()
+
+        with ThreadPoolExecutor(1) as executor:
+            kept = executor.submit(keep_a_file)
+            played(one, "import time\ntime.sleep(0.5)")
+            kept.result()
         assert played(one, "import os\nprint(os.listdir())").stdout == "[]\n" and one.replaced == replaced + 1
     finally:
         one.close()
@@ -275,7 +282,7 @@ def test_what_counts(tmp_path):
         return Scratch(str(tmp_path))
 
     empty = one()
-    empty.begin(str(Path(empty.path)))
+    empty.fill(str(Path(empty.path)))
     assert not empty.is_full()
     for number in range(scratch.MOST_ENTRIES):
         Path(empty.path, f"{number}").touch()
@@ -298,7 +305,7 @@ def test_what_counts(tmp_path):
 def test_a_disk_that_becomes_full_ends_the_zygote_and_the_play_fails_for_the_machine(tmp_path, monkeypatch):
     """A child can keep files that have no name any more. It is not blamed: another may have filled it."""
     one = Scratch(str(tmp_path))
-    one.begin(str(tmp_path / "nothing"))
+    one.fill(str(tmp_path / "nothing"))
     free = os.statvfs(tmp_path)
     assert not one.fills_the_disk()
     child = os.fork()

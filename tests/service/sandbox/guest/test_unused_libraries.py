@@ -12,6 +12,7 @@ from service.sandbox.guest.zygote import NEEDED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
+from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 SETUP = """
 import matplotlib.pyplot as plt
@@ -209,3 +210,39 @@ def test_only_a_notebook_is_graded_with_ipython(later, name, imported):
     result = later.play(replace(job(asks), cells=(Cell(name, asks),)))
     assert result.arrays["one"]["x"] == imported
     assert later.start().imported == ({"ipython"} if imported else frozenset())
+
+
+def test_the_time_in_a_guest_without_the_library_is_not_the_submissions(later):
+    budget = TimeBudget(TimeLimits(60.0, 120.0))
+    slow = "import time\nbegun = time.process_time()\nwhile time.process_time() < begun + 0.5: pass\n"
+    result = later.play(job(f"{slow}f = lambda: float(quad(abs, 0.0, 1.0)[0])"), budget=budget)
+    assert result.finished("one") and 0.5 < budget.cpu_s < 0.95
+
+
+@pytest.mark.parametrize("guest", ["later", "sandbox"])
+def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(guest, request):
+    plays = "import ecp.kinds as kinds\ndef ask(student, inputs):\n"
+    plays += "    return {'x': student['f']() * (kinds.agreement.__name__ == 'agreement')}"
+    replaces, sandbox = "import ecp.kinds\necp.kinds.agreement = print\n", request.getfixturevalue(guest)
+    for _ in range(2):
+        asked = replace(job(f"{replaces}f = lambda: 1.0"), plays=plays)
+        assert sandbox.play(asked).arrays["one"]["x"] == 1.0
+        assert sandbox.play(job("f = lambda: 1.0")).finished("one")
+
+
+def test_a_guest_imports_at_first_only_what_children_need(later):
+    """Its start is most of the time of grading one file."""
+    unneeded = {
+        "ecp.course",
+        "ecp.exercise",
+        "ecp.kinds",
+        "email",
+        "html",
+        "importlib.resources",
+        "matplotlib.figure",
+    }
+    asked = replace(
+        job(""), setup="", cells=(Cell("submission.py", "import sys\nprint(*sys.modules)\nf = float"),)
+    )
+    printed = later.play(asked).stdout.split()
+    assert "ecp.integration" in printed and not unneeded.intersection(printed)

@@ -152,7 +152,9 @@ async def fill(url: str, number: int) -> None:
     database = Database(url, "bench", connections=8)
     await register(database, assignments().values())
     each = [
-        NewSubmission(uuid.uuid4(), "rigid-body", f"s{k % PERSONS:03}", Submission(SOURCE), ["2"], k)
+        NewSubmission(
+            uuid.uuid4(), "rigid-body", f"s{k % PERSONS:03}", Submission(SOURCE, exercises=["2"]), k
+        )
         for k in range(number)
     ]
     for start in range(0, number, 8):

@@ -10,8 +10,16 @@ from exercises.assignment import Assignment
 from service.api import submission_body
 from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading.grade import UnknownExercise, select
-from service.grading.json_submission import BadDocument, ParsedSubmission, read_json
-from service.grading.submission import KIB, MIB, BadSubmission, SizeLimits, TooLarge, upload_too_large
+from service.grading.submission import (
+    KIB,
+    MIB,
+    BadDocument,
+    BadSubmission,
+    SizeLimits,
+    Submission,
+    TooLarge,
+    upload_too_large,
+)
 from service.http.errors import Problem
 from service.settings import Settings
 
@@ -30,7 +38,7 @@ class LargeBodies:
         self.process = SeparateProcess(PARSE_S, functools.partial(submission_body.start_process, self.limits))
 
 
-async def parse_submission(request: Request, assignment: Assignment, large: LargeBodies) -> ParsedSubmission:
+async def parse_submission(request: Request, assignment: Assignment, large: LargeBodies) -> Submission:
     """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid, 503 while too
     many are large.
     """
@@ -43,7 +51,7 @@ async def parse_submission(request: Request, assignment: Assignment, large: Larg
             f"send application/json or multipart/form-data, not {kind or 'nothing'}",
         )
     try:
-        parsed = await _parse(request, kind, large)
+        submission = await _parse(request, kind, large)
     except TooLarge as error:
         raise Problem(413, "too-large", str(error), error.pointer) from error
     except BadDocument as error:
@@ -53,13 +61,13 @@ async def parse_submission(request: Request, assignment: Assignment, large: Larg
     except BadSubmission as error:
         raise Problem(422, "bad-submission", str(error), error.pointer) from error
     try:
-        select(assignment, parsed.exercises)
+        select(assignment, submission.exercises)
     except UnknownExercise as error:
         raise Problem(422, "unknown-exercise", str(error), "/exercises") from error
-    return parsed
+    return submission
 
 
-async def _parse(request: Request, kind: str, large: LargeBodies) -> ParsedSubmission:
+async def _parse(request: Request, kind: str, large: LargeBodies) -> Submission:
     content_type, limits = request.headers["content-type"], large.limits
     async with contextlib.AsyncExitStack() as stack:
         chunks, size = [], 0
@@ -81,7 +89,7 @@ async def _parse(request: Request, kind: str, large: LargeBodies) -> ParsedSubmi
             return (
                 await submission_body.parse_form(content_type, body, limits)
                 if kind == submission_body.FORM
-                else read_json(body, limits)
+                else Submission.from_json(body, limits)
             )
         chunks.clear()
         try:

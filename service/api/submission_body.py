@@ -8,23 +8,20 @@ import asyncio
 import os
 import resource
 from collections.abc import AsyncGenerator
+from dataclasses import replace
 
 from starlette.datastructures import Headers, UploadFile
 from starlette.formparsers import MultiPartParser
 
-from service.grading.json_submission import (
-    BadDocument,
-    ParsedSubmission,
-    check_exercises,
-    check_filename,
-    read_json,
-)
 from service.grading.submission import (
     DEFAULT_SIZES,
     PYTHON_FILE,
+    BadDocument,
     SizeLimits,
     Submission,
     TooLarge,
+    check_exercises,
+    check_filename,
     upload_too_large,
 )
 from service.sandbox.guest.lockdown import die_with_parent
@@ -34,19 +31,19 @@ MEMORY = 50  # times the largest upload; "[]," repeated takes 25 times its lengt
 NICENESS = 5
 
 
-def parse(content_type: str, body: bytes, limits: SizeLimits) -> ParsedSubmission:
+def parse(content_type: str, body: bytes, limits: SizeLimits) -> Submission:
     """Return the submission in a body of the media type FORM or JSON.
     Raises BadSubmission if it is invalid.
     """
     try:
         if content_type.lower().startswith(FORM):
             return asyncio.run(parse_form(content_type, body, limits))
-        return read_json(body, limits)
+        return Submission.from_json(body, limits)
     except MemoryError:
         raise TooLarge(upload_too_large(limits)) from None
 
 
-async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> ParsedSubmission:
+async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> Submission:
     """Return the submission in a form with a ``file`` and any number of ``exercises``.
 
     Raises BadSubmission if it is invalid.
@@ -69,9 +66,8 @@ async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> Pars
             raise BadDocument('the form must have a file in its field "file"', "/file")
         name = check_filename(upload.filename or PYTHON_FILE, "/file")
         numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
-        return ParsedSubmission(
-            Submission.from_bytes(await upload.read(), name, limits), check_exercises(numbers or None)
-        )
+        submission = Submission.from_bytes(await upload.read(), name, limits)
+        return replace(submission, exercises=check_exercises(numbers or None))
     finally:
         await form.close()
 

@@ -211,11 +211,9 @@ async def store_submission(
             "the sandbox is unavailable, so submissions are not accepted: contact the course staff"
             f" ({reason})",
         )
-    parsed = await parse_submission.parse_submission(request, assignment, large)
-    drawn = secrets.randbits(48)
-    new = NewSubmission(
-        uuid.uuid4(), assignment.slug, person.name, parsed.submission, parsed.exercises, drawn, arrived
-    )
+    submission = await parse_submission.parse_submission(request, assignment, large)
+    seed = secrets.randbits(48)
+    new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, submission, seed, arrived)
     try:
         return await _accept(
             database, settings.open_submissions, person, new, idempotency_key or None, repeat

@@ -5,6 +5,7 @@ submissions.
 import time
 import uuid
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -136,10 +137,10 @@ def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) ->
     for file in [*tries, *ends]:
         sample, ago = files[file], ago * 0.8
         submission = Submission.from_bytes(sample.file.read_bytes(), f"{name}{sample.file.suffix}")
+        submission = replace(submission, exercises=sample.ask)
         arrived = time.monotonic() - 86400.0 * ago
-        yield NewSubmission(
-            uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived
-        )
+        seed = int(rng.integers(2**48))
+        yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, seed, arrived)
 
 
 def _made(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
@@ -150,15 +151,8 @@ def _made(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterat
     wrong, arrived = others[rng.integers(len(others))], time.monotonic() - 86400.0 * rng.uniform(0.1, 2.0)
     for k, sample in enumerate([wrong, right] if rng.random() < 0.6 else [wrong]):
         submission = Submission.from_bytes(sample.source.encode(), f"{name}.py")
-        yield NewSubmission(
-            uuid.uuid4(),
-            assignment.slug,
-            name,
-            submission,
-            None,
-            int(rng.integers(2**48)),
-            arrived + 3600.0 * k,
-        )
+        seed = int(rng.integers(2**48))
+        yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, seed, arrived + 3600.0 * k)
 
 
 def _draw_names(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:

@@ -6,7 +6,7 @@ import os
 import re
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ecp.notebook.outputs import is_notebook
@@ -16,7 +16,6 @@ from exercises.assignment import Assignment
 from service.grading import rendering
 from service.grading.grade import Graded, UnknownExercise, missing_packages, select
 from service.grading.grader import Grader, SweepFailed
-from service.grading.json_submission import ParsedSubmission, read_json
 from service.grading.result import GradedFile
 from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
 from service.sandbox.isolation import Isolation
@@ -116,13 +115,13 @@ def grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> 
     grader.ready()
     began = time.perf_counter()
     try:
-        parsed, source = _read(request, options)
+        submission, source = _read(request, options)
     except BadSubmission as reason:
         return GradedFile(file=request.file, refused=str(reason))
     try:
-        graded = grader.grade(parsed.submission, options.assignment, options.seed, parsed.exercises)
+        graded = grader.grade(submission, options.assignment, options.seed)
         if options.sweep:
-            graded.report.sweep = _sweep(grader, parsed, options.assignment)
+            graded.report.sweep = _sweep(grader, submission, options.assignment)
         drawn = _draw(graded, options)
     except SystemFault as fault:
         return GradedFile(file=request.file, source=source, fault=str(fault))
@@ -145,8 +144,9 @@ def grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> 
     )
 
 
-def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmission, str]:
-    """Return the submission and the text whose lines the report refers to, "" for a JSON document.
+def _read(request: GradeRequest, options: GradeOptions) -> tuple[Submission, str]:
+    """Return the submission, with the exercises of the request if it has some, and the text whose lines the
+    report refers to, "" for a JSON document.
 
     Raises BadSubmission, OSError.
     """
@@ -156,20 +156,16 @@ def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmissio
             sizes.upload + 1
         )  # one more byte than accepted reveals a file that is too large
     if len(content) <= sizes.upload and _is_document(request.file.name, content):
-        parsed = read_json(content, sizes)
+        submission, source = Submission.from_json(content, sizes), ""
         try:
-            select(options.assignment, parsed.exercises)
+            select(options.assignment, submission.exercises)
         except UnknownExercise as error:
             raise BadSubmission(str(error)) from error
-        return parsed if request.exercises is None else ParsedSubmission(
-            parsed.submission, list(request.exercises)
-        ), ""
-    submission = Submission.from_bytes(content, request.file.name, sizes)
-    text = content.decode("utf-8-sig")
-    exercises = None if request.exercises is None else list(request.exercises)
-    return ParsedSubmission(
-        submission, exercises
-    ), submission.source if submission.source == text else _shortened(text)
+    else:
+        submission = Submission.from_bytes(content, request.file.name, sizes)
+        text = content.decode("utf-8-sig")
+        source = submission.source if submission.source == text else _shortened(text)
+    return replace(submission, exercises=request.exercises or submission.exercises), source
 
 
 def _is_document(name: str, content: bytes) -> bool:
@@ -188,9 +184,9 @@ def _shortened(notebook: str) -> str:
     )
 
 
-def _sweep(grader: Grader, parsed: ParsedSubmission, assignment: Assignment) -> SweepResult:
+def _sweep(grader: Grader, submission: Submission, assignment: Assignment) -> SweepResult:
     try:
-        return grader.sweep(parsed.submission, assignment, parsed.exercises or ())
+        return grader.sweep(submission, assignment, submission.exercises or ())
     except SweepFailed as reason:
         return SweepResult(scene="", points=[], line=f"speed and accuracy were not measured: {reason}")
 

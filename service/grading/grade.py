@@ -54,7 +54,7 @@ def grade(
     *,
     on_progress: OnProgress = lambda phase, scene, scenes: None,
 ) -> Graded:
-    """Grade the exercises ``numbers`` (None: every exercise that the submission attempts).
+    """Grade the exercises ``numbers`` (None: those that the submission requests, or else attempts).
 
     ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those
     that the assignment declares if they are longer; scenes that are left have then timed out. Raises
@@ -76,6 +76,7 @@ def _grade(
 ) -> Graded:
     if absent := missing_packages(assignment):
         raise SystemFault(absent)
+    numbers = submission.exercises if numbers is None else numbers
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     needed = _with_precursors(assignment, with_used(assignment, wanted))

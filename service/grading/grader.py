@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from ecp.document import document
 from ecp.outcome import SweepResult
@@ -38,7 +38,7 @@ class Grader:
         submission: Submission,
         assignment: Assignment,
         seed: int,
-        exercises: list[str] | None = None,
+        exercises: Sequence[str] | None = None,
         on_progress: OnProgress = lambda phase, scene, scenes: None,
     ) -> Graded:
         """Grade a submission, as ``grade.grade`` does. Raises Cancelled, SystemFault."""
@@ -86,12 +86,11 @@ class Grader:
         submission: Submission,
         slug: str,
         seed: int,
-        exercises: list[str] | None,
         on_progress: OnProgress,
     ) -> tuple[Report, dict[str, bytes]]:
         """Grade a submission. Return the report and its artefacts by name. Raises Cancelled, SystemFault."""
         began = time.perf_counter()
-        graded = self.grade(submission, find_assignment(slug), seed, exercises, on_progress)
+        graded = self.grade(submission, find_assignment(slug), seed, on_progress=on_progress)
         judged = time.perf_counter()
         packed = rendering.pack(graded)
         graded.report.provenance.phases_ms = {

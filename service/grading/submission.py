@@ -1,10 +1,13 @@
-"""A submission as cells of source text. Python is parsed only in the sandbox."""
+"""A submission: read from a file or from a JSON document, the body of a request to the API or a file for
+``polhode grade``, and its cells of source text. Python is parsed only in the sandbox.
+"""
 
 import hashlib
 import json
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from ecp.notebook.outputs import is_notebook, strip_outputs
@@ -15,6 +18,8 @@ KIB, MIB = 2**10, 2**20
 MOST_CELLS = 500
 MOST_NAME = 120
 PYTHON_FILE = "submission.py"
+SUFFIXES = (".py", ".ipynb")
+RENAME = "submit a .py or .ipynb file; if it holds Python, give it a name that ends in .py"
 NOT_A_NOTEBOOK = (
     "this file is named .ipynb but is not a Jupyter notebook (format 4): save it in Jupyter, or, if it is"
     " Python, name it .py"
@@ -36,6 +41,10 @@ class TooLarge(BadSubmission):
     """The file exceeds a size limit."""
 
 
+class BadDocument(BadSubmission):
+    """The document does not have the fields of a submission; ``pointer`` is empty if it is not even JSON."""
+
+
 @dataclass(frozen=True)
 class SizeLimits:
     """The most bytes of an uploaded file, and of the source that remains without a notebook's outputs."""
@@ -49,10 +58,13 @@ DEFAULT_SIZES = SizeLimits()
 
 @dataclass(frozen=True)
 class Submission:
-    """Source text and its file name. A notebook, by its name or its text, is kept without outputs."""
+    """Source text, its file name, and the requested ``exercises`` (None: those that it attempts). A notebook,
+    by its name or its text, is kept without outputs.
+    """
 
     source: str
     filename: str = PYTHON_FILE
+    exercises: Sequence[str] | None = None
 
     @classmethod
     def from_bytes(cls, data: bytes, filename: str, limits: SizeLimits = DEFAULT_SIZES) -> "Submission":
@@ -76,6 +88,24 @@ class Submission:
             raise BadSubmission(f"{filename} contains no code: add the functions to be graded")
         return submission
 
+    @classmethod
+    def from_json(cls, data: bytes, limits: SizeLimits = DEFAULT_SIZES) -> "Submission":
+        """Read a document with a ``source``, and optionally ``filename`` and ``exercises``.
+
+        Raises BadSubmission if it is invalid.
+        """
+        try:
+            document = json.loads(data)
+        except (ValueError, RecursionError):
+            raise BadDocument("the body is not valid JSON", "") from None
+        if not isinstance(document, dict) or not isinstance(document.get("source"), str):
+            raise BadDocument('the body must be a JSON object with a string "source"')
+        if unknown := sorted(set(document) - {"source", "exercises", "filename"}):
+            raise BadDocument(f"unknown field {unknown[0]}: remove it", f"/{unknown[0]}")
+        name = check_filename(document.get("filename", PYTHON_FILE), "/filename")
+        submission = cls.from_bytes(document["source"].encode("utf-8", "replace"), name, limits)
+        return replace(submission, exercises=check_exercises(document.get("exercises")))
+
     @property
     def sha256(self) -> str:
         """The SHA-256 of the source as UTF-8, in hexadecimal digits."""
@@ -86,6 +116,25 @@ class Submission:
         if not is_notebook(self.source, self.filename):
             return (Cell(PYTHON_FILE, self.source),)
         return _notebook_cells(self.source)
+
+
+def check_filename(value: object, pointer: str) -> str:
+    """Return a printable file name. Raises BadSubmission, with ``pointer``, unless it ends in .py or .ipynb,
+    in capitals or not.
+    """
+    name = "".join(c for c in value if c.isprintable()) if isinstance(value, str) else ""
+    if not name.lower().endswith(SUFFIXES):
+        raise BadSubmission(f"cannot grade the file {name[:80]!r}: {RENAME}", pointer)
+    return name
+
+
+def check_exercises(numbers: object) -> list[str] | None:
+    """Return the exercise numbers, sorted. Raises BadDocument unless they are None or a list of strings."""
+    if numbers is None:
+        return None
+    if not isinstance(numbers, list) or not numbers or not all(isinstance(n, str) for n in numbers):
+        raise BadDocument('"exercises" must be a non-empty list of exercise numbers as strings', "/exercises")
+    return sorted(set(numbers))
 
 
 def upload_too_large(limits: SizeLimits) -> str:

@@ -21,14 +21,14 @@ class NewSubmission:
     assignment: str
     person: str
     submission: Submission
-    exercises: list[str] | None
     seed: int
     arrived: float = field(default_factory=time.monotonic)
 
     @property
     def fingerprint(self) -> str:
         """Return a hash of the content, which is the same for a repeated request."""
-        parts = [self.assignment, self.submission.filename, self.submission.source, repr(self.exercises)]
+        given = self.submission
+        parts = [self.assignment, given.filename, given.source, repr(given.exercises)]
         return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
 
 
@@ -47,7 +47,6 @@ class SubmissionRecord:
     assignment: str
     person: str
     submission: Submission
-    exercises: list[str] | None
     submitted_at: datetime
     late: bool
     grading: UUID
@@ -253,8 +252,7 @@ def _stored(row: Row) -> SubmissionRecord:
         id=row.id,
         assignment=row.assignment,
         person=row.person,
-        submission=Submission(row.source, row.filename),
-        exercises=row.exercises,
+        submission=Submission(row.source, row.filename, row.exercises),
         submitted_at=row.submitted_at,
         late=row.late,
         grading=row.grading,

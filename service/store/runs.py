@@ -32,7 +32,6 @@ class GradingJob:
     submission_id: UUID
     assignment: str
     submission: Submission
-    exercises: list[str] | None
     seed: int
 
 
@@ -151,8 +150,7 @@ def _job_fields(grading: UUID, row: Row) -> dict[str, Any]:
         "grading": grading,
         "submission_id": row.submission_id,
         "assignment": row.assignment,
-        "submission": Submission(row.source, row.filename),
-        "exercises": row.exercises,
+        "submission": Submission(row.source, row.filename, row.exercises),
         "seed": row.seed,
     }
 

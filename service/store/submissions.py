@@ -122,7 +122,7 @@ async def _accept(
             "source": new.submission.source,
             "sha256": new.submission.sha256,
             "filename": new.submission.filename,
-            "exercises": None if new.exercises is None else Jsonb(new.exercises),
+            "exercises": None if (asked := new.submission.exercises) is None else Jsonb(asked),
             "late": rules.late,
             "at": rules.at,
             "fingerprint": new.fingerprint,

@@ -161,7 +161,7 @@ class Worker:
         try:
             report, artefacts = await self._call(
                 self._grader.grade_and_pack,
-                claimed.submission, claimed.assignment, claimed.seed, claimed.exercises, self._set_progress,
+                claimed.submission, claimed.assignment, claimed.seed, self._set_progress,
             )  # fmt: skip
             first = await patiently(
                 partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S

@@ -29,7 +29,7 @@ def paths(url, sandbox):
     """
 
     async def moving(database):
-        one = NewSubmission(uuid.uuid4(), "rigid-body", "cleo", Submission(REVERSED, "cleo.py"), ["2"], 7)
+        one = NewSubmission(uuid.uuid4(), "rigid-body", "cleo", Submission(REVERSED, "cleo.py", ["2"]), 7)
         await accept(database, one)
         await grade_really(database, one.id, sandbox, {"grade": 1000.0})
         return f"/submissions/{one.id}"

@@ -111,7 +111,7 @@ async def _fill(database, url, sandbox, source, texts):
 
 async def _played(database, name, source, filename, sandbox):
     """A submission that was run in a sandbox, with figures, motions and whatever its code says."""
-    new = NewSubmission(uuid.uuid4(), ASSIGNMENT.slug, name, Submission(source, filename), ["2", "4"], 7)
+    new = NewSubmission(uuid.uuid4(), ASSIGNMENT.slug, name, Submission(source, filename, ["2", "4"]), 7)
     await accept(database, new)
     await submissions.grade_really(database, new.id, sandbox, {"grade": 1000.0, "pack": 10.0})
     return new.id

@@ -17,7 +17,8 @@ from service.store.submissions import register
 
 
 def new(person="ann", source="def euler_eqs(t, w, I): return w", seed=7, **more):
-    return NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source), more.get("exercises"), seed)
+    submission = Submission(source, exercises=more.get("exercises"))
+    return NewSubmission(uuid.uuid4(), "rigid-body", person, submission, seed)
 
 
 def run(url, action):

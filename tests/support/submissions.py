@@ -30,7 +30,7 @@ async def hand_in(
 ):
     """Store a submission of exercise 2, graded if ``marks`` is not None; return its id."""
     arrived = time.monotonic() - 86400.0 * days_ago
-    new = NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source, filename), ["2"], 7, arrived)
+    new = NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source, filename, ["2"]), 7, arrived)
     await accept(database, new)
     if marks is not None:
         await grade(database, new.id, marks, **about)

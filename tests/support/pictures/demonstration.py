@@ -57,7 +57,7 @@ def demonstration(folder: Path) -> Iterator[Demonstration]:
 
 def submit(url: str, person: str, filename: str, source: str, exercises: list[str]) -> uuid.UUID:
     """Store a student's submission to rigid-body, which the demonstration grades, and return its id."""
-    new = NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source, filename), exercises, seed=7)
+    new = NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source, filename, exercises), seed=7)
     run(url, lambda database: accept(database, new))
     return new.id
 

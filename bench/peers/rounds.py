@@ -4,8 +4,9 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from bench.forms import FORMS
 from bench.peers.clock import CommandFailed, Row, Timing, clock
-from bench.peers.goals import LEAN, ONE, SERVER
+from bench.peers.goals import ONE, SERVER, WHOLE
 from bench.peers.peer import Command, NoMarks, Peer
 from bench.peers.submissions import copies
 from bench.peers.warm import Warm
@@ -23,24 +24,28 @@ class Case:
     error: str = ""
 
 
-def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Case]:
-    """Return the cases: for the server one submission and a batch; for each tool one, a batch, and one
-    without matplotlib.
+def cases(tools: Sequence[Peer], warm: Warm, batch: int) -> list[Case]:
+    """Return the cases: each of the fifteen FORMS and a batch of them, for the server and each tool, and a
+    whole notebook for the server.
     """
-    found = [Case(SERVER, ONE, 1, lambda: warm.grade(posts))]
+    found = [Case(SERVER, ONE, 1, warm.grade_forms), Case(SERVER, WHOLE, 1, warm.grade_notebook)]
     found.append(Case(SERVER, f"{batch}: sent at once", batch, lambda: warm.grade_together(batch)))
     for tool in tools:
         found += [
-            Case(tool.name, ONE, 1, lambda tool=tool: graded(tool, [tool.one("right")], ["right"])),
+            Case(tool.name, ONE, 1, lambda tool=tool: one_by_one(tool, FORMS)),
             Case(
                 tool.name,
                 f"{batch}: {tool.batch}",
                 batch,
                 lambda tool=tool: graded(tool, tool.many(copies(batch)), copies(batch)),
             ),
-            Case(tool.name, LEAN, 1, lambda tool=tool: graded(tool, [tool.one("lean")], ["lean"])),
         ]
     return found
+
+
+def one_by_one(tool: Peer, names: Sequence[str]) -> list[Timing]:
+    """Return the time of each submission on its own, as ``graded`` does."""
+    return [taken for name in names for taken in graded(tool, [tool.one(name)], [name])]
 
 
 def graded(tool: Peer, commands: Sequence[Command], names: Sequence[str]) -> list[Timing]:

@@ -5,8 +5,10 @@ notebook.
 import ast
 import json
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
+from bench.forms import FORMS
 from exercises.catalogue import find
 
 FOLDER = find("rigid-body").folder
@@ -17,13 +19,12 @@ SAMPLES = {
     "reversed in time": "wrong_time_reversed.py",
     "np.max patched": "hostile_patched_max.py",
 }
-LEAN = """import numpy as np
-from scipy.integrate import solve_ivp
-"""
-COURSE = f"""import matplotlib.pyplot as plt
+COURSE = """import matplotlib.pyplot as plt
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-{LEAN}"""
+import numpy as np
+from scipy.integrate import solve_ivp
+"""
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,15 @@ class Submission:
 
 
 def submissions(batch: int) -> dict[str, Submission]:
-    """Return the submissions by name: one of each kind, a correct one without matplotlib, and ``batch``
-    copies of the correct one.
-    """
-    answers = {kind: (FOLDER / "samples" / file).read_text() for kind, file in SAMPLES.items()}
-    course, lean = (imports + "\n\n" + _setup_functions() for imports in (COURSE, LEAN))
-    found = [Submission(file_name(kind), course, answer) for kind, answer in answers.items()]
-    found.append(Submission("lean", lean, answers["right"]))
-    found += [Submission(name, course, f"{answers['right']}\n# {name}\n") for name in copies(batch)]
+    """Return the submissions by name: one of each kind, the correct FORMS, and ``batch`` copies of these."""
+    setup = COURSE + "\n\n" + _setup_functions()
+    files = {file_name(kind): file for kind, file in SAMPLES.items()}
+    files |= {form: f"right_{form}.py" for form in FORMS}
+    files |= {name: f"right_{form}.py" for name, form in zip(copies(batch), cycle(FORMS), strict=False)}
+    found = [
+        Submission(name, setup, f"{(FOLDER / 'samples' / file).read_text()}\n# {name}\n")
+        for name, file in files.items()
+    ]
     return {s.name: s for s in found}
 
 

@@ -10,12 +10,13 @@ from pathlib import Path
 import nbformat
 import pytest
 
+from bench.forms import FORMS
 from bench.peers import check50, gradescope, nbgrader, otter, polhode, table
 from bench.peers.__main__ import PEERS
 from bench.peers.clock import CommandFailed, Row, Timing, clock
 from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
 from bench.peers.environment import requirements
-from bench.peers.goals import LEAN, ONE, SERVER, goals
+from bench.peers.goals import ONE, SERVER, WHOLE, goals, limits
 from bench.peers.judging import answers, sound, verdicts
 from bench.peers.peer import Command, Marks, NoMarks, Peer, Workspace, clean_environment
 from bench.peers.rounds import Case, graded, measure
@@ -78,7 +79,6 @@ def test_the_peers_checks_integrate_and_are_those_of_the_notebook():
     sent = submissions(2)
     for kind, accepted in {
         "right": True,
-        "lean": True,
         "copy-1": True,
         "sign slip": False,
         "zeros": True,
@@ -93,12 +93,11 @@ def test_the_peers_checks_integrate_and_are_those_of_the_notebook():
 
 def test_submissions_are_scripts_and_valid_notebooks_of_the_same_text():
     sent = submissions(3)
-    assert {file_name(kind) for kind in SAMPLES} | {"lean", "copy-0", "copy-1", "copy-2"} == set(sent)
+    assert {file_name(kind) for kind in SAMPLES} | {*FORMS, "copy-0", "copy-1", "copy-2"} == set(sent)
     for submission in sent.values():
         cells = nbformat.reads(submission.notebook, as_version=4).cells
         assert "\n\n".join(c.source for c in cells) == submission.script
         nbformat.validate(nbformat.reads(nbgrader.graded_notebook(submission), as_version=4))
-        assert ("matplotlib" in submission.script) == (submission.name != "lean")
 
 
 @pytest.mark.parametrize(
@@ -187,33 +186,37 @@ ROWS = [
     row("polhode grade", "10: one command", 10, 1.0),
     row(SERVER, "10: sent at once", 10, 0.2),
     row("polhode grade", ONE, 1, 0.55),
-    row("polhode grade", LEAN, 1, 0.3),
     row("slow", ONE, 1, 9.0, 8.2, 8.1),
     row("slow", "10: a loop", 10, 41.0),
     row("fast", ONE, 1, 0.7),
-    row("fast", LEAN, 1, 0.4),
     row("fast", "10: a loop", 10, 7.0),
 ]
 
 
 def test_goals_are_ratios_of_medians_in_one_run():
-    assert list(map(str, goals(ROWS, [("slow", 1 / 80), ("absent", 1 / 80)], 10))) == [
-        "met      one over HTTP: at most 1/80.0 of slow: 1/82.0 (CPU 1/82.0)",
-        "not measured  one over HTTP: at most 1/80.0 of a tool that is absent",
-        "not met  one over HTTP: at most 1/15.0 of fast: 1/7.0 (CPU 1/7.0)",
-        "met      10 at once over HTTP, each: at most 1/30.0 of fast: 1/35.0 (CPU 1/35.0)",
+    assert list(map(str, goals(ROWS, [("slow", 1 / 50), ("absent", 1 / 50)], 10))) == [
+        "met      one over HTTP: at most 1/50.0 of slow: 1/82.0 (CPU 1/82.0)",
+        "not measured  one over HTTP: at most 1/50.0 of a tool that is absent",
+        "not met  one over HTTP: at most 1/10.0 of fast: 1/7.0 (CPU 1/7.0)",
+        "met      10 at once over HTTP, each: at most 1/20.0 of fast: 1/35.0 (CPU 1/35.0)",
         "met      one by polhode grade: at most 0.80 of fast: 0.79 (CPU 0.79)",
-        "not met  one by polhode grade, without matplotlib: at most 0.60 of fast: 0.75 (CPU 0.75)",
         "not met  10 by polhode grade, each: at most 1/8.0 of fast: 1/7.0 (CPU 1/7.0)",
     ]
-    assert all(str(goal).startswith("not measured") for goal in goals(ROWS[:5], [], 10))
+    assert all(str(goal).startswith("not measured") for goal in goals(ROWS[:4], [], 10))
+
+
+def test_goals_in_seconds():
+    assert limits([row(SERVER, ONE, 1, 0.06), row(SERVER, WHOLE, 1, 0.4), row("other", WHOLE, 1, 0.1)]) == [
+        "met      one over HTTP, CPU time: at most 0.035 s: 0.030 s",
+        "not met  a whole notebook over HTTP: at most 0.3 s: 0.400 s",
+    ]
 
 
 TIMES = """\
-| tool              | what            | wall s | least – greatest | CPU s | wall s each | CPU s each |
-|-------------------|-----------------|--------|------------------|-------|-------------|------------|
-| polhode over HTTP | one             | 0.100  | 0.090 – 0.500    | 0.050 | 0.100       | 0.050      |
-| polhode grade     | 10: one command | 1.000  | 1.000 – 1.000    | 0.500 | 0.100       | 0.050      |"""
+| tool              | what                 | wall s | least – greatest | CPU s | wall s each | CPU s each |
+|-------------------|----------------------|--------|------------------|-------|-------------|------------|
+| polhode over HTTP | one of fifteen forms | 0.100  | 0.090 – 0.500    | 0.050 | 0.100       | 0.050      |
+| polhode grade     | 10: one command      | 1.000  | 1.000 – 1.000    | 0.500 | 0.100       | 0.050      |"""
 
 
 def test_tables():
@@ -308,4 +311,4 @@ def test_rounds_take_turns_and_leave_out_what_breaks(capsys):
     rows = measure([takes("a"), takes("b", fails_at=2), takes("c")], 3)
     assert order == ["a", "b", "c", "a", "b", "c", "a", "c"]
     assert [(r.name, len(r.taken)) for r in rows] == [("a", 3), ("c", 3)]
-    assert "b, one: not measured: no kernel" in capsys.readouterr().out
+    assert f"b, {ONE}: not measured: no kernel" in capsys.readouterr().out

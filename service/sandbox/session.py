@@ -56,7 +56,7 @@ class ChildExit(NamedTuple):
 
 @dataclass
 class PlaySession:
-    """One play of ``job``, of which a part is ``unsent``, within the ``budget`` of the grading.
+    """One play of ``job`` within the ``budget`` of the grading.
 
     ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes,
     unbuffered, are ``job_pipe``, which does not block, ``answers``, which are frames, and ``printed``.
@@ -66,7 +66,6 @@ class PlaySession:
     """
 
     job: Job
-    unsent: memoryview
     budget: TimeBudget
     reader: Reader
     control: socket.socket
@@ -78,23 +77,19 @@ class PlaySession:
     output: bytearray = field(default_factory=bytearray)
     stopped: Ended | None = None
     ended: ChildExit | None = None
-    _open_pipes: int = 2  # pipes that the child has not closed
     _received: int = 0
     _printed: int = 0
 
     def run(self) -> None:
-        """Exchange data until the play is complete, the child has exited and both pipes are empty, or a limit
-        is exceeded.
+        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded.
 
         Raises OSError if the zygote has ended.
         """
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
+        self._unsent = memoryview(self.job.encode())
         with selectors.DefaultSelector() as self._selector:
-            if self.unsent:
-                self._selector.register(self.job_pipe, selectors.EVENT_WRITE)
-            else:
-                self.job_pipe.close()
+            self._selector.register(self.job_pipe, selectors.EVENT_WRITE)
             for end in (self.answers, self.printed, self.control):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
@@ -104,17 +99,8 @@ class PlaySession:
                 self.waited.update()
 
     def _is_running(self) -> bool:
-        going_on = self.stopped is None and not self.cancelled.is_set() and not self.complete
+        going_on = self.stopped is None and not self.cancelled.is_set()
         return going_on and bool(self._selector.get_map())
-
-    @property
-    def complete(self) -> bool:
-        """Whether the child has sent its last frame and closed its pipes. It only has to exit, which takes
-        the kernel a while.
-        """
-        return (
-            self.reader.done and not self._open_pipes and self.stopped is None and self.job.reference is None
-        )
 
     def _step(self) -> None:
         """Wait until an end is ready, and read from it or write to it."""
@@ -130,15 +116,14 @@ class PlaySession:
                 self._write_some()
             elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
-                self._open_pipes -= key.fileobj is not self.control
 
     def _write_some(self) -> None:
-        """Write what fits of ``unsent``, or nothing if the child has closed the pipe."""
+        """Write what fits of the job, or nothing if the child has closed the pipe."""
         try:
-            self.unsent = self.unsent[self.job_pipe.write(self.unsent[:CHUNK]) or 0 :]
+            self._unsent = self._unsent[self.job_pipe.write(self._unsent[:CHUNK]) or 0 :]
         except BrokenPipeError:
-            self.unsent = memoryview(b"")
-        if not self.unsent:
+            self._unsent = memoryview(b"")
+        if not self._unsent:
             self._selector.unregister(self.job_pipe)
             self.job_pipe.close()
 
@@ -226,8 +211,6 @@ class PlaySession:
         return (self.stopped or self._by_status()) in (Ended.KILLED, Ended.PROTOCOL)
 
     def _by_status(self) -> Ended | None:
-        if self.complete:
-            return None
         assert self.ended is not None
         if self.ended.full:
             return Ended.OUTPUT

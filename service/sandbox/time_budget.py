@@ -93,8 +93,7 @@ class TimeBudget:
 
 class ProcessorWait:
     """The time, from now on, that processes, given by their ``pidfds``, were ready to run and had no
-    processor, see ``processor_wait``. At the last update they had used ``cpu_s`` seconds of CPU time, or 0 if
-    one had been reaped.
+    processor, see ``processor_wait``.
     """
 
     def __init__(self, *pidfds: int) -> None:
@@ -105,7 +104,6 @@ class ProcessorWait:
             ):
                 self._seconds[int(found[1])] = processor_wait(int(found[1]))
         self._before = sum(self._seconds.values())
-        self.cpu_s = 0.0
 
     @property
     def seconds(self) -> float:
@@ -116,15 +114,6 @@ class ProcessorWait:
         """Read the time. That of a process stays as it was once it has been reaped."""
         for pid, seconds in self._seconds.items():
             self._seconds[pid] = max(seconds, processor_wait(pid))
-        try:
-            self.cpu_s = sum(time.clock_gettime(_clock_of(pid)) for pid in self._seconds)
-        except OSError:
-            self.cpu_s = 0.0
-
-
-def _clock_of(pid: int) -> int:
-    """Return the id of the clock of CPU time of a process, as clock_getcpuclockid(3) does."""
-    return (~pid << 3) | 2
 
 
 def processor_wait(pid: int) -> float:

@@ -2,7 +2,6 @@
 
 import contextlib
 import copy
-import fcntl
 import json
 import logging
 import math
@@ -38,7 +37,6 @@ from service.sandbox.wire import Reader
 
 log = logging.getLogger(__name__)
 START_S, MOST_STARTS = 30.0, 20
-PIPE = 1 << 20  # bytes of a job's pipe
 ANSWER_S = 4.0  # a zygote that does not start or reap a child within this time is frozen
 
 
@@ -62,6 +60,7 @@ class _Child:
     def __init__(self) -> None:
         (job, job_pipe), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
         self.theirs = [job, result, output]
+        os.set_blocking(job_pipe, False)
         self.job_pipe, self.answers, self.printed = FileIO(job_pipe, "w"), FileIO(answers), FileIO(printed)
 
     def close(self) -> None:
@@ -82,7 +81,6 @@ class Zygote:
         self._cancelled = cancelled
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
-        self._exit_is_unread = False  # the message that the last child has exited has not been read
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
         """Return a copy, which ends with this one. All share one folder of data files, so only one of them
@@ -93,7 +91,7 @@ class Zygote:
         other = copy.copy(self)
         other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         other._identity = None
-        other._is_copy, other._cancelled, other._exit_is_unread = True, cancelled, False
+        other._is_copy, other._cancelled = True, cancelled
         with theirs:
             socket.send_fds(self._control, [COPY], [theirs.fileno()])
         return other
@@ -113,7 +111,9 @@ class Zygote:
 
     def import_library(self, library: str) -> None:
         """Let the zygote import ``library``. Raises ZygoteLost."""
-        self._tell(IMPORT + library.encode())
+        self._send(IMPORT + library.encode())
+        if self._message() != READY:
+            raise ZygoteLost("the sandbox process stopped between two plays")
         self.imported |= {library}
 
     def _message(self) -> bytes:
@@ -145,14 +145,11 @@ class Zygote:
             self.import_library(IPYTHON)
         if KINDS_MODULE in job.plays and "kinds" not in self.imported:
             self.import_library("kinds")
-        with self._data_files(job) if job.data else contextlib.nullcontext():
-            child = self._start(job, budget)
-            with contextlib.closing(child):
-                try:
-                    unsent = _write_first(child.job_pipe, job.encode())
-                except BrokenPipeError:
-                    unsent = memoryview(b"")  # its exit and its output say why
-                return self._play(child, unsent, job, budget, Reader(job, result, on_scene))
+        with (
+            self._data_files(job) if job.data else contextlib.nullcontext(),
+            contextlib.closing(self._start(job, budget)) as child,
+        ):
+            return self._play(child, job, budget, Reader(job, result, on_scene))
 
     def _send(self, message: bytes, *fds: int) -> None:
         try:
@@ -160,18 +157,8 @@ class Zygote:
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
 
-    def _tell(self, message: bytes, *fds: int) -> None:
-        """Send a message and wait until the zygote has done what it says. Raises ZygoteLost."""
-        if self._exit_is_unread:
-            self._read_exit()
-        self._send(message, *fds)
-        if self._message() != READY:
-            raise ZygoteLost("the sandbox process stopped between two plays")
-
     def _start(self, job: Job, budget: TimeBudget) -> _Child:
         """Ask the zygote to start a child that can play ``job``."""
-        if self._exit_is_unread:
-            self._read_exit()
         reference = [] if job.reference is None else [_file(job.encode_reference())]
         child = _Child()
         try:
@@ -184,13 +171,12 @@ class Zygote:
             _close(*child.theirs, *reference)
         return child
 
-    def _play(self, child: _Child, unsent: memoryview, job: Job, budget: TimeBudget, reader: Reader) -> bool:
-        """Play ``job``, of which a part is ``unsent``, in a child that ``_start`` has started."""
+    def _play(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
+        """Play ``job`` in a child that ``_start`` has started."""
         pidfds = self._pidfds(1 if job.reference is None else 2)
         began, waited = time.monotonic(), ProcessorWait(*pidfds)
         session = PlaySession(
             job,
-            unsent,
             budget,
             reader,
             self._control,
@@ -208,17 +194,14 @@ class Zygote:
             with contextlib.suppress(ProcessLookupError):
                 signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)  # no child of this job survives it
             _close(*pidfds)
-        self._exit_is_unread = session.ended is None
-        if session.ended is None and not (session.complete and waited.cpu_s):
-            session.ended = self._read_exit()
-        codes = session.ended.codes if session.ended else ()
-        if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in codes]:
+        session.ended = ended = session.ended or self._read_exit()
+        if needed := [n for n, code in NEEDED.items() if n not in self.imported and code in ended.codes]:
             budget.extend(
                 time.monotonic() - began
             )  # this guest lacks the library: its time is not the submission's
             raise LibraryNeeded(needed[0])
-        reader.result.cpu_s = session.ended.cpu_s if session.ended else waited.cpu_s
-        budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)
+        reader.result.cpu_s = ended.cpu_s
+        budget.charge(ended.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
         reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
@@ -226,8 +209,7 @@ class Zygote:
         return not session.abnormal
 
     def _read_exit(self) -> ChildExit:
-        """Wait for the message that the last child has exited. Raises ZygoteLost."""
-        self._exit_is_unread = False
+        """Wait for the message that the child has exited. Raises ZygoteLost."""
         try:
             return ChildExit.unpack(self._control.recv(REAPED.size))
         except OSError as error:
@@ -289,14 +271,6 @@ def _with_children(pid: int) -> list[int]:
     except OSError:
         return []
     return [pid, *(one for child in children for one in _with_children(int(child)))]
-
-
-def _write_first(pipe: FileIO, data: bytes) -> memoryview:
-    """Write to a pipe what fits at once, and return the rest."""
-    with contextlib.suppress(OSError):  # more than this user may have
-        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
-    os.set_blocking(pipe.fileno(), False)
-    return memoryview(data)[pipe.write(data) or 0 :]
 
 
 def _file(content: bytes) -> int:

@@ -205,7 +205,7 @@ SANDBOX = [
     Breakage(
         "a submission that uses a library does not get it",
         "service/sandbox/zygote.py",
-        "if name not in self.imported and code in codes]:",
+        "if n not in self.imported and code in ended.codes]:",
         "if False]:",
         ("tests/service/sandbox/guest/test_unused_libraries.py",),
     ),
@@ -337,7 +337,7 @@ SANDBOX = [
     Breakage(
         "each process of a grading has its own CPU time",
         "service/sandbox/zygote.py",
-        "budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)",
+        "budget.charge(ended.cpu_s, waited.seconds, time.monotonic() - began)",
         "budget.charge(0.0, waited.seconds, time.monotonic() - began)",
         (
             "tests/service/sandbox/test_time_budget.py::test_processes_that_compute_share_one_limit_of_CPU_time",

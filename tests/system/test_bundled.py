@@ -11,6 +11,7 @@ from service.cli.__main__ import main
 from service.cli.mutants import grade_mutants
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose, with_packages
 
@@ -18,17 +19,15 @@ DECLARED = [catalogue.slug_of(folder) for folder in catalogue._here() if folder.
 SLOWEST = {"heavy-top", "random-walks", "lagrangian"}
 
 
+@pytest.mark.parametrize("level", ["namespaces", "process"])
 @pytest.mark.parametrize(
     "slug", [pytest.param(slug, marks=pytest.mark.slow) if slug in SLOWEST else slug for slug in DECLARED]
 )
-def test_the_right_solutions_pass(slug, sandbox):
+def test_the_right_solutions_pass(slug, level):
     assignment = catalogue.find(slug)
     right = next(sample for sample in assignment.made_samples() if sample.right)
-    with contextlib.ExitStack() as stack:
-        if assignment.packages:
-            sandbox = stack.enter_context(
-                contextlib.closing(Sandbox(with_packages(choose("namespaces"), assignment.packages)))
-            )
+    isolation = choose("namespaces") if level == "namespaces" else process_isolation()
+    with contextlib.closing(Sandbox(with_packages(isolation, assignment.packages))) as sandbox:
         report = grade(Submission(right.source, right.name), assignment, sandbox, seed=1).report
     assert report.passed and report.score == assignment.max_points() > 0, report.text()
     assert report.provenance.versions.keys() >= {"python", "numpy", *assignment.packages}

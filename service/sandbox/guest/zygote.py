@@ -93,6 +93,7 @@ def main(
     else:
         for library in MODULES:
             _import(library)
+    importlib.import_module("guest.readable_modules").install()
     gc.freeze()
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(

@@ -211,7 +211,7 @@ async def store_submission(
             "the sandbox is unavailable, so submissions are not accepted: contact the course staff"
             f" ({reason})",
         )
-    submission = await parse_submission.parse_submission(request, assignment, large)
+    submission = await parse_submission.parse_submission(request, assignment, person.name, large)
     seed = secrets.randbits(48)
     new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, submission, seed, arrived)
     try:

@@ -1,5 +1,6 @@
 """Uploads: notebooks with pictures in their outputs, size limits, and large bodies, which block nobody."""
 
+import asyncio
 import json
 import multiprocessing
 import uuid
@@ -9,7 +10,9 @@ from hashlib import sha256
 import pytest
 
 import ecp
+from service.api.parse_submission import MOST_LARGE, LargeBodies, parse_submission
 from service.grading.submission import KIB, MIB
+from service.settings import Settings
 from tests.service.api.test_submissions import form
 from tests.support.big_notebook import with_outputs
 from tests.support.database import sql
@@ -130,6 +133,46 @@ def test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here(databa
     assert answers == [422] * 5 + [400] * 6 and len(set(multiprocessing.active_children()) - before) == 1
     app.stop()
     assert set(multiprocessing.active_children()) == before
+
+
+class Sending:
+    """A request of ``body``, of which the last part is sent when ``go_on`` is set."""
+
+    def __init__(self, body, go_on):
+        self._parts, self._go_on = [body[: 300 * KIB], body[300 * KIB :]], go_on
+        self.headers = {"content-type": "application/json"}
+
+    async def stream(self):
+        yield self._parts[0]
+        await self._go_on.wait()
+        yield self._parts[1]
+
+
+def test_bodies_that_arrive_slowly_keep_nobody_else_waiting(rigid_body):
+    body = json.dumps({"source": f"x = 1 #{'x' * 400 * KIB}"}).encode()
+
+    async def main():
+        large, never, at_once = LargeBodies(Settings(submission_kib=500)), asyncio.Event(), asyncio.Event()
+        at_once.set()
+
+        def parse(person, go_on):
+            return asyncio.create_task(parse_submission(Sending(body, go_on), rigid_body, person, large))
+
+        tasks = [parse(f"student {k // 3}", never) for k in range(3 * MOST_LARGE)]
+        await asyncio.sleep(0.1)
+        try:
+            submission = await asyncio.wait_for(parse("ann", at_once), 20.0)
+            tasks.append(another := parse("student 0", at_once))
+            await asyncio.wait({another}, timeout=0.5)
+            return submission, another.done()
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            large.process.stop()
+
+    submission, done = asyncio.run(main())
+    assert submission.source.startswith("x = 1") and not done
 
 
 @pytest.mark.slow

@@ -50,8 +50,7 @@ async def grade_really(database, submission, sandbox, phases_ms):
     query = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
     id = (await database.rows(query, {"id": submission}))[0].id
     claimed = await runs.claim(database, id, uuid.uuid4(), "test worker")
-    asked = claimed.submission, assignments()[claimed.assignment], sandbox, claimed.seed, claimed.exercises
-    graded = core.grade(*asked)
+    graded = core.grade(claimed.submission, assignments()[claimed.assignment], sandbox, claimed.seed)
     graded.report.provenance.phases_ms = phases_ms
     assert await runs.finish(database, claimed, graded.report, rendering.pack(graded))
 

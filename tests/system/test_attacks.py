@@ -384,11 +384,10 @@ def _untouched(listeners):
 
 
 def _scratch_is_empty(sandbox):
-    """Whether the guest has only the folder of the child that waits, when it has removed the last one's."""
+    """Whether the guest has no folder any more when it has removed the last child's."""
     rooms, until = sandbox.start().wait_ready() and _rooms(sandbox), time.monotonic() + 5
     while time.monotonic() < until:
-        folders = [folder for room in rooms for folder in room.iterdir()]
-        if len(folders) <= 1 and not any(any(folder.iterdir()) for folder in folders):
+        if not any(any(room.iterdir()) for room in rooms):
             return True
         time.sleep(0.01)
     return False

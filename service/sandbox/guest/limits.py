@@ -111,7 +111,10 @@ def _lacks_tls(error: BaseException, frames: Frames) -> bool:
 
 
 def _lacks_library(error: BaseException, frames: Frames) -> bool:
-    return isinstance(error, ImportError) and "cannot open shared object file" in str(error)
+    unlinked = isinstance(error, ImportError) and "cannot open shared object file" in str(error)
+    name = getattr(error, "name", None) or ""
+    of_python = isinstance(error, ModuleNotFoundError) and name.partition(".")[0] in sys.stdlib_module_names
+    return unlinked or of_python  # a system may have Python without some of its own modules
 
 
 def _starts_process(error: BaseException, frames: Frames) -> bool:

@@ -52,6 +52,7 @@ REFUSED = {
     "from getpass import getpass as secret\nsecret('Password: ')": INPUT,
     "breakpoint()": INPUT,
     "import tkinter": "the grader does not have `tkinter`: ",
+    "raise ModuleNotFoundError('as on Debian', name='curses')": "the grader does not have `curses`: ",
     "open('/etc/motd', 'w')": "the grader opens files only in the working folder: ",
     "import os\nos.nice(5)": "the grader does not allow this: ",
 }

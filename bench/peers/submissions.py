@@ -19,6 +19,7 @@ SAMPLES = {
     "reversed in time": "wrong_time_reversed.py",
     "np.max patched": "hostile_patched_max.py",
 }
+FUTURE = "from __future__ import annotations\n"
 COURSE = """import matplotlib.pyplot as plt
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -52,10 +53,11 @@ def submissions(batch: int) -> dict[str, Submission]:
     files = {file_name(kind): file for kind, file in SAMPLES.items()}
     files |= {form: f"right_{form}.py" for form in FORMS}
     files |= {name: f"right_{form}.py" for name, form in zip(copies(batch), cycle(FORMS), strict=False)}
-    found = [
-        Submission(name, setup, f"{(FOLDER / 'samples' / file).read_text()}\n# {name}\n")
-        for name, file in files.items()
-    ]
+    found = []
+    for name, file in files.items():
+        answer = (FOLDER / "samples" / file).read_text()
+        first = FUTURE if FUTURE in answer else ""  # nothing may precede it
+        found.append(Submission(name, first + setup, f"{answer.replace(FUTURE, '')}\n# {name}\n"))
     return {s.name: s for s in found}
 
 

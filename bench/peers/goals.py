@@ -30,16 +30,14 @@ class Goal:
             return f"not measured  {claim}"
         wall = self.ours.each / self.theirs.each
         cpu = (self.ours.median.cpu / self.ours.count) / (self.theirs.median.cpu / self.theirs.count)
-        return (
-            f"{'met    ' if wall <= self.share else 'not met'}  {claim}: {_share(wall)} (CPU {_share(cpu)})"
-        )
+        return f"{_met(wall <= self.share)}  {claim}: {_share(wall)} (CPU {_share(cpu)})"
 
 
 def limits(rows: Sequence[Row]) -> list[str]:
     """Return the goals in seconds: the CPU time of one submission, and the wall time of a whole notebook."""
     own = {row.what: row.median for row in rows if row.name == SERVER}
     return [
-        f"{'met    ' if measured <= limit else 'not met'}  {claim}: at most {limit:g} s: {measured:.3f} s"
+        f"{_met(measured <= limit)}  {claim}: at most {limit:g} s: {measured:.3f} s"
         for claim, limit, measured in (
             ("one over HTTP, CPU time", CORE_S, own[ONE].cpu),
             ("a whole notebook over HTTP", WHOLE_S, own[WHOLE].wall),
@@ -71,6 +69,10 @@ def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int)
     ):
         found.append(Goal(claim, share, ours(name, fits), best(fits)))
     return found
+
+
+def _met(is_met: bool) -> str:
+    return "met    " if is_met else "not met"
 
 
 def _share(ratio: float) -> str:

@@ -1,8 +1,7 @@
 """A worker process: it takes jobs, grades them, and recovers gradings of lost workers.
 
 Grading runs in a thread that lives as long as the process, because a guest ends with the thread that started
-it, and the second child of a grading in another such thread. Meanwhile the event loop sends four heartbeats
-per lease.
+it. Meanwhile the event loop sends four heartbeats per lease.
 """
 
 import asyncio

@@ -36,6 +36,6 @@ def _is_readable(spec: ModuleSpec) -> bool:
         open(spec.origin, "rb").close()
     except PermissionError:
         return False
-    except OSError:  # the import says what is wrong with the file
-        return True
+    except OSError:
+        pass  # the import says what is wrong with the file
     return True

@@ -11,8 +11,8 @@ from bench.peers.peer import Command, Marks, Peer, reading
 from bench.peers.submissions import Submission, write
 
 # One check for both lines: two checks would each import the submission and integrate, which takes a third
-# longer. ``check50.py.import_`` does not enter the module in ``sys.modules``, where a dataclass with postponed
-# annotations looks for it: a plain import is kinder.
+# longer. A plain import, because ``check50.py.import_`` does not enter the module in ``sys.modules``, where a
+# dataclass with postponed annotations looks for it.
 CHECKS = f'''{COMMON}
 import check50
 import sys

@@ -207,7 +207,7 @@ class Notebook:
         author's solutions.
         """
         slug, cells = folder.name.replace("_", "-"), self._cells(folder)
-        setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
+        setup = self.setup_of(cells, self._names()) if cells else self.setup or ""
         plays = folder / "plays.py"
         documents = {s.number: tuple(question.document for question in s.questions) for s in self.sections}
         expanded = [
@@ -246,6 +246,10 @@ class Notebook:
             questions={number: asked for number, asked in documents.items() if asked},
             **{name: function for name, function in given.items() if function is not None},
         )
+
+    def setup_of(self, cells: list[Cell], names: list[str]) -> str:
+        """Return the Setup of a notebook whose solutions are ``names``."""
+        return author_notebook.setup(cells, names)
 
     def _sweeps(self) -> tuple[Sweep, ...]:
         """Return the chart of speed against accuracy of each question that has one, with the others of its

@@ -82,10 +82,14 @@ def made_samples(
         absent = {number for number, question in questions if not written.issuperset(question.names)}
         if solved := tuple(number for number in numbers if number not in absent):
             yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), solved, right=True)
+    made: list[tuple[str, Any]] = []
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
             others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
             source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
+            if (question.function, mistake) in made:  # in another case of the function
+                continue
+            made.append((question.function, mistake))
             about = (mistake.code or "no_code").replace("-", "_")
             yield MadeSample(
                 f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code

@@ -49,13 +49,13 @@ def _located(method: Callable[..., T]) -> Callable[..., T]:
         try:
             return method(self, *args, **named)
         except Exception as error:
-            file = inspect.getsourcefile(self.solution) or ""
-            if isinstance(error, AuthorError) or file in [
+            if isinstance(error, AuthorError) or self.file in [
                 f.filename for f in traceback.extract_tb(error.__traceback__)
             ]:
                 raise
             raise AuthorError(
-                f"{Path(file).name} line {self.line}: question {self.id}: {type(error).__name__}: {error}"
+                f"{Path(self.file).name} line {self.line}: question {self.id}:"
+                f" {type(error).__name__}: {error}"
             ) from error
 
     return run
@@ -114,6 +114,13 @@ class Question:
     def function(self) -> str:
         """The name of the student's function, or of the first variable."""
         return self.variables[0] if self.variables else getattr(self.solution, "__name__", self.kind)
+
+    @property
+    def file(self) -> str:
+        """The path of the file that declares the question, "" if it is unknown."""
+        if isinstance(self.solution, NotebookSolution):
+            return str(self.solution.solutions.folder / "assignment.py")
+        return inspect.getsourcefile(self.solution) or ""
 
     @property
     def names(self) -> tuple[str, ...]:

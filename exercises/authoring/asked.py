@@ -70,6 +70,7 @@ class AskedSolution:
     line: int
     share: float
     mistakes: list[Mistake | WrittenMistake] = field(default_factory=list, kw_only=True)
+    errors: list[DeclarationError] = field(default_factory=list, kw_only=True)
 
     @property
     def solution_name(self) -> str:
@@ -94,7 +95,7 @@ class AskedSolution:
         """
         line = sys._getframe(1).f_lineno
         if change is not None:
-            self.mistakes.append(self._changed(change, code, sentence, line))
+            self._replace(change, code, sentence, line)
             return None
 
         def decorate(function: FunctionType) -> FunctionType:
@@ -107,14 +108,20 @@ class AskedSolution:
 
         return decorate
 
-    def _changed(self, change: str, code: str | None, sentence: str, line: int) -> Mistake:
+    def _replace(self, change: str, code: str | None, sentence: str, line: int) -> None:
         old, arrow, new = change.partition(" -> ")
+        count = self.solution.source.count(old)
         if not arrow:
-            raise DeclarationError(f'change={change!r} must be "old -> new"', line)
-        if (count := self.solution.source.count(old)) != 1:
+            self._error(f'change={change!r} must be "old -> new"', line)
+        elif count != 1:
             where = "is not in" if count == 0 else f"occurs {count} times in"
-            raise DeclarationError(f"{old!r} {where} {self.solution_name}: it must occur once", line)
-        return Mistake(old, new, code, sentence, line)
+            self._error(f"{old!r} {where} {self.solution_name}: it must occur once", line)
+        else:
+            self.mistakes.append(Mistake(old, new, code, sentence, line))
+
+    def _error(self, message: str, line: int) -> None:
+        """Keep an error, so that all errors of a declaration are reported at once."""
+        self.errors.append(DeclarationError(message, line))
 
     def _known(self) -> set[str]:
         return {name for cell in self.solution.solutions.cells for name in cell.bound()}
@@ -187,10 +194,8 @@ class Asked(AskedSolution):
         if every is not None:
             self.tolerances |= dict.fromkeys(names, every)
         if unknown := [name for name in by_name if name not in names]:
-            line = sys._getframe(1).f_lineno
-            raise DeclarationError(
-                f"{self.solution_name} returns {', '.join(names)}, not {', '.join(unknown)}", line
-            )
+            message = f"{self.solution_name} returns {', '.join(names)}, not {', '.join(unknown)}"
+            self._error(message, sys._getframe(1).f_lineno)
         self.tolerances |= by_name
 
     def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:

@@ -34,8 +34,8 @@ class AskedCell(AskedSolution):
         computes it.
         """
         if name not in self.names:
-            line = sys._getframe(1).f_lineno
-            raise DeclarationError(f"the cell is asked for {', '.join(self.names)}, not {name}", line)
+            message = f"the cell is asked for {', '.join(self.names)}, not {name}"
+            self._error(message, sys._getframe(1).f_lineno)
         self.tolerances[name] = agree
 
         def decorate(function: Function) -> Function:

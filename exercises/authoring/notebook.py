@@ -98,7 +98,8 @@ class Notebook:
             declared, errors = self._declared(folder)
         except InvalidNotebook as error:
             return [str(error)]
-        return [*(f"assignment.py {error}" for error in errors), *declared.errors(folder)]
+        found = [*(f"assignment.py {error}" for error in errors), *declared.errors(folder)]
+        return list(dict.fromkeys(found))
 
     def assignment(self, folder: Path) -> Assignment:
         """Return the assignment that grading reads, of a declaration without errors."""
@@ -122,8 +123,9 @@ class Notebook:
             questions = list[list[Question]]()
             for asked in ask.asked:
                 uses = _uses(asked, earlier)
-                errors += _raised(lambda: questions.append(asked.questions(uses)), exercise)  # noqa: B023
-                if isinstance(asked, Asked):
+                failed = _raised(lambda: questions.append(asked.questions(uses)), exercise)  # noqa: B023
+                errors += failed
+                if isinstance(asked, Asked) and not failed:
                     earlier[asked.solution_name] = asked.solution
             declared.exercise(
                 exercise.number,
@@ -185,6 +187,7 @@ def _errors_of(exercise: DeclaredExercise, ask: Ask, cells: list[Cell]) -> Itera
             " add it, or give title="
         )
     for asked in ask.asked:
+        yield from (f"line {error.line}: {error}" for error in asked.errors)
         for mistake in asked.mistakes:
             if mistake.code is not None and mistake.code not in CODES:
                 yield (

@@ -241,6 +241,7 @@ class Notebook:
                 )
             ),
             variants=functools.cache(self._variants),
+            pairs=functools.cache(self._pairs),
             source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: self._made_samples(folder),
             questions={number: asked for number, asked in documents.items() if asked},
@@ -282,6 +283,11 @@ class Notebook:
         from exercises.mistakes import variants_of
 
         return variants_of(*self._with_source_before(id))
+
+    def _pairs(self, id: str) -> "list[Variant]":
+        from exercises.mistakes import pairs_of
+
+        return pairs_of(*self._with_source_before(id))
 
     def _with_source_before(self, id: str) -> tuple[Question, str]:
         """Return the question ``id`` and the source of the right solutions of those before it."""

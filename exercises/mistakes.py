@@ -9,7 +9,7 @@ from typing import Any
 
 from ecp.judge import Verdict
 from exercises import author_notebook
-from exercises.mutation import variants
+from exercises.mutation import pairs, variants
 from exercises.question import Question
 from exercises.samples import codes
 from exercises.solution import Variant
@@ -26,6 +26,12 @@ def variants_of(question: Question, before: str) -> list[Variant]:
         *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes),
     ]
     made = [*(replace(v, declared=True) for v in declared), *variants(right)]
+    return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
+
+
+def pairs_of(question: Question, before: str) -> list[Variant]:
+    """Return the right solution, then those with two changes, behind the source ``before``."""
+    made = [Variant("", "", question.source), *pairs(question.source)]
     return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
 
 

@@ -119,7 +119,8 @@ class Assignment:
     there are ``published`` ones.
 
     ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right
-    solution and wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right
+    solution and wrong ones of a question by its id (exercises.mistakes.Variant), ``pairs`` those with two
+    changes, ``source_before`` the right
     solutions of the questions before it, and ``made_samples`` the samples that follow from the declaration
     (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook. ``published`` are its code
     cells, if the server runs those that are given in place of the student's copies.
@@ -147,6 +148,7 @@ class Assignment:
     notebook: Callable[[], str] = field(default=lambda: "")
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
     variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
+    pairs: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
     source_before: Callable[[str], str] = field(default=lambda question: "")
     made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
 

@@ -207,7 +207,7 @@ class Notebook:
         author's solutions.
         """
         slug, cells = folder.name.replace("_", "-"), self._cells(folder)
-        setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
+        setup = self.setup_of(cells, self._names()) if cells else self.setup or ""
         plays = folder / "plays.py"
         documents = {s.number: tuple(question.document for question in s.questions) for s in self.sections}
         expanded = [
@@ -241,11 +241,16 @@ class Notebook:
                 )
             ),
             variants=functools.cache(self._variants),
+            pairs=functools.cache(self._pairs),
             source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: self._made_samples(folder),
             questions={number: asked for number, asked in documents.items() if asked},
             **{name: function for name, function in given.items() if function is not None},
         )
+
+    def setup_of(self, cells: list[Cell], names: list[str]) -> str:
+        """Return the Setup of a notebook whose solutions are ``names``."""
+        return author_notebook.setup(cells, names)
 
     def _sweeps(self) -> tuple[Sweep, ...]:
         """Return the chart of speed against accuracy of each question that has one, with the others of its
@@ -278,6 +283,11 @@ class Notebook:
         from exercises.mistakes import variants_of
 
         return variants_of(*self._with_source_before(id))
+
+    def _pairs(self, id: str) -> "list[Variant]":
+        from exercises.mistakes import pairs_of
+
+        return pairs_of(*self._with_source_before(id))
 
     def _with_source_before(self, id: str) -> tuple[Question, str]:
         """Return the question ``id`` and the source of the right solutions of those before it."""

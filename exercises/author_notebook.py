@@ -131,19 +131,54 @@ def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
     It ends at the next heading of that level and contains neither a solution, one of the ``names``, nor the
     kit's installation.
     """
+    start, end = _setup_region(cells, names)
+    taken = [_python(cell) for cell in cells[start:end] if cell.kind == "code" and INSTALL not in cell.tags]
+    return "\n\n".join(text.strip("\n") for text in taken) + "\n"
+
+
+def given_constants(cells: Sequence[Cell], names: Collection[str]) -> str:
+    """Return the constants, imports and functions of given cells behind the Setup, as Python.
+
+    What needs a solution, one of the ``names``, or calls anything but a function of a module is left out.
+    """
+    _, end = _setup_region(cells, names)
+    unknown, taken = set(names), list[str]()
+    for cell in (cell for cell in cells[end:] if cell.kind == "code" and INSTALL not in cell.tags):
+        is_solution = cell.is_solution(names)
+        for statement in statements_of(cell.source):
+            needed = statement.names.now | statement.names.later
+            if not is_solution and _is_constant(statement.node) and not needed & unknown:
+                taken.append(statement.text.strip("\n") + "\n")
+            else:
+                unknown |= statement.names.bound
+    return "".join(f"\n{text}" for text in taken)
+
+
+def _setup_region(cells: Sequence[Cell], names: Collection[str]) -> tuple[int, int]:
+    """Return the first cell of the Setup and the one behind its last."""
     marked = [
         (at, level)
         for at, cell in enumerate(cells)
         for level, text in cell.headings
         if _SETUP.fullmatch(text)
     ]
-    start, level = marked[0] if marked else (-1, 0)
-    taken = []
-    for cell in cells[start + 1 :]:
+    first, level = marked[0] if marked else (-1, 0)
+    for at, cell in enumerate(cells[first + 1 :], first + 1):
         if cell.is_solution(names) or any(other <= level for other, _ in cell.headings):
-            break
-        taken += [python_of(cell.source) or ""] if cell.kind == "code" and INSTALL not in cell.tags else []
-    return "\n\n".join(text.strip("\n") for text in taken) + "\n"
+            return first + 1, at
+    return first + 1, len(cells)
+
+
+def _python(cell: Cell) -> str:
+    return python_of(cell.source) or ""
+
+
+def _is_constant(node: ast.AST) -> bool:
+    """Whether a statement imports, defines, or assigns what is computed by functions of modules only."""
+    if isinstance(node, (*DEFINITION, ast.Import, ast.ImportFrom)):
+        return True
+    calls = [n.func for n in ast.walk(node) if isinstance(n, ast.Call)]
+    return isinstance(node, ast.Assign | ast.AnnAssign) and all(isinstance(f, ast.Attribute) for f in calls)
 
 
 def with_ids(cells: Sequence[Cell]) -> list[tuple[str, Cell]]:

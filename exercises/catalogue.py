@@ -14,6 +14,7 @@ import exercises
 from exercises import validation
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.author import Notebook
+from exercises.authoring.notebook import Notebook as DeclaredNotebook
 from exercises.validation import format_error, syntax_errors
 
 SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"
@@ -84,7 +85,7 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     ]
     if errors := syntax_errors(folder, [str(module.__file__) for module in own]):
         return None, errors
-    notebooks = [value for value in declared if isinstance(value, Notebook)]
+    notebooks = [value for value in declared if isinstance(value, Notebook | DeclaredNotebook)]
     if len(notebooks) != 1:
         return None, [f"{DECLARATION} makes {len(notebooks)} notebooks; it must make one"]
     errors = notebooks[0].errors(folder)

@@ -9,7 +9,7 @@ from typing import Any
 
 from ecp.judge import Verdict
 from exercises import author_notebook
-from exercises.mutation import variants
+from exercises.mutation import pairs, variants
 from exercises.question import Question
 from exercises.samples import codes
 from exercises.solution import Variant
@@ -26,6 +26,12 @@ def variants_of(question: Question, before: str) -> list[Variant]:
         *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes),
     ]
     made = [*(replace(v, declared=True) for v in declared), *variants(right)]
+    return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
+
+
+def pairs_of(question: Question, before: str) -> list[Variant]:
+    """Return the right solution, then those with two changes, behind the source ``before``."""
+    made = [Variant("", "", question.source), *pairs(question.source)]
     return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
 
 
@@ -82,10 +88,14 @@ def made_samples(
         absent = {number for number, question in questions if not written.issuperset(question.names)}
         if solved := tuple(number for number in numbers if number not in absent):
             yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), solved, right=True)
+    made: list[tuple[str, Any]] = []
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
             others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
             source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
+            if (question.function, mistake) in made:  # in another case of the function
+                continue
+            made.append((question.function, mistake))
             about = (mistake.code or "no_code").replace("-", "_")
             yield MadeSample(
                 f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code

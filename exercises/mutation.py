@@ -44,6 +44,17 @@ DROPPED = (
 COMMUTATIVE = "min,max,minimum,maximum,hypot,allclose,isclose,isinstance,zip,range"
 
 
+FREQUENT = (
+    "sign-flipped",
+    "missing-term",
+    "constant-factor",
+    "wrong-power",
+    "missing-division",
+    "wrong-function",
+)
+MOST_FIRST, MOST_PAIRS = 16, 300
+
+
 Rule = Callable[[Solution, Any], Iterator[Variant]]
 
 
@@ -60,6 +71,25 @@ def variants(source: str) -> list[Variant]:
         with suppress(SyntaxError):
             found.setdefault(fingerprint(variant.source), variant)
     return sorted(list(found.values())[1:], key=lambda variant: variant.line)
+
+
+def pairs(source: str) -> list[Variant]:
+    """Return the versions of a solution with two of the most frequent changes, the earlier one first.
+
+    Raises SyntaxError if the source is not valid Python.
+    """
+    single = variants(source)
+    known = {fingerprint(source), *(fingerprint(one.source) for one in single)}
+    found: dict[Any, Variant] = {}
+    for first in [one for one in single if one.code in FREQUENT][:MOST_FIRST]:
+        for second in [
+            one for one in variants(first.source) if one.code in FREQUENT and one.line >= first.line
+        ]:
+            if (mark := fingerprint(second.source)) not in known:
+                found.setdefault(
+                    mark, Variant(first.code, first.sentence, second.source, both=(first, second))
+                )
+    return list(found.values())[:MOST_PAIRS]
 
 
 CLASSES: Mapping[str, Callable[[Solution, Any], bool]] = {
@@ -307,6 +337,44 @@ def _names(s: Solution, node: Any) -> Iterator[Variant]:
         yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
 
 
+def _constant_arguments(s: Solution, node: Any) -> Iterator[Variant]:
+    """Yield the function with a constant in place of one of its arguments."""
+    if isinstance(node, ast.FunctionDef) and node in s.tree.body:
+        body = [part for part in node.body if not isinstance(part, ast.Expr)]
+        read = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+        for argument in [a.arg for a in node.args.args if a.arg in read and body]:
+            start, _ = s.span(body[0])
+            behind = "; " if body[0].lineno == node.lineno else "\n" + " " * body[0].col_offset
+            for value in ("1", "0"):
+                what = f"`{value}` stands in place of the argument `{argument}`"
+                yield s.replaced("wrong-constant", what, (start, start), f"{argument} = {value}{behind}")
+
+
+def _replaced_inputs(s: Solution, node: Any) -> Iterator[Variant]:
+    """Yield a return of new values of two arguments where one is computed from the new value of the other."""
+    if not isinstance(node, ast.Return) or not isinstance(node.value, ast.Tuple) or len(node.value.elts) != 2:
+        return
+    function = s.outer(node, ast.FunctionDef)
+    arguments = [a.arg for a in function.args.args] if isinstance(function, ast.FunctionDef) else []
+    own = [_first_term(part) for part in node.value.elts]
+    if own[0] == own[1] or not set(own) <= set(arguments) or node.lineno == function.lineno:
+        return
+    for first, second in ((0, 1), (1, 0)):
+        uses = {n.id for n in ast.walk(node.value.elts[second]) if isinstance(n, ast.Name)}
+        if own[first] in uses:
+            lines = [f"{own[k]} = {s.text(node.value.elts[k])}" for k in (first, second)]
+            text = ("\n" + " " * node.col_offset).join([*lines, f"return {own[0]}, {own[1]}"])
+            what = f"`{own[second]}` is computed with the new `{own[first]}` in place of the old one"
+            yield s.replaced("wrong-variable", what, s.span(node), text)
+
+
+def _first_term(node: Any) -> str:
+    """Return the variable that a sum begins with, "" if it does not begin with one."""
+    while is_operation(node, *SUM):
+        node = node.left
+    return node.id if isinstance(node, ast.Name) else ""
+
+
 def _integer(node: Any) -> int | None:
     """Return the value of an integer literal, also a negative one, None if ``node`` is no such literal."""
     with suppress(ValueError, TypeError):
@@ -317,6 +385,6 @@ def _integer(node: Any) -> int | None:
 
 RULES: tuple[Rule, ...] = (
     *(_terms, _indices, _exchanged_indices, _brackets, _factors, _multiples, _calls, _operators, _orders),
-    *(_transposed, _constants, _names),
+    *(_transposed, _constants, _names, _replaced_inputs, _constant_arguments),
 )
 """The rules, common mistakes first."""

@@ -60,14 +60,14 @@ def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
     """Return the cells of an author's notebook where there is none: Setup, and each exercise with its right
     solutions.
     """
-    cells = [Cell("markdown", f"# {_markdown(title)}", "title")]
+    cells = [Cell("markdown", f"# {markdown(title)}", "title")]
     cells += [Cell("code", setup.strip("\n"), "setup")] if setup.strip() else []
     written: set[str] = set()
     for section in sections:
         cells.append(
             Cell(
                 "markdown",
-                f"## Exercise {section.number}: {_markdown(section.title)}",
+                f"## Exercise {section.number}: {markdown(section.title)}",
                 _id("exercise", section.number),
             )
         )
@@ -225,7 +225,8 @@ def _id(what: str, number: str) -> str:
     return re.sub(r"[^a-zA-Z0-9_-]", "-", f"{what}-{number}")[:64]
 
 
-def _markdown(text: str) -> str:
+def markdown(text: str) -> str:
+    """Return plain text as Markdown that shows it."""
     return re.sub(r"([\\`*_{}\[\]<>#$|])", r"\\\1", text)
 
 

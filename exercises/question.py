@@ -22,6 +22,9 @@ from ecp.kinds import asking
 from ecp.kinds.alignment import alignment_error
 from ecp.return_value import WrongAnswer
 from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
+from exercises.authoring.draws import JointDraw, JointlyDrawn
+from exercises.authoring.solutions import NotebookSolution
+from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import ARGUMENTS, SHORT, Draw, Family, Itself, Mistake, Value, tolerance_data
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
@@ -46,13 +49,13 @@ def _located(method: Callable[..., T]) -> Callable[..., T]:
         try:
             return method(self, *args, **named)
         except Exception as error:
-            file = inspect.getsourcefile(self.solution) or ""
-            if isinstance(error, AuthorError) or file in [
+            if isinstance(error, AuthorError) or self.file in [
                 f.filename for f in traceback.extract_tb(error.__traceback__)
             ]:
                 raise
             raise AuthorError(
-                f"{Path(file).name} line {self.line}: question {self.id}: {type(error).__name__}: {error}"
+                f"{Path(self.file).name} line {self.line}: question {self.id}:"
+                f" {type(error).__name__}: {error}"
             ) from error
 
     return run
@@ -96,7 +99,7 @@ class Question:
     known: Mapping[str, Any] = field(default_factory=dict)
     variables: tuple[str, ...] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
-    mistakes: Sequence[Mistake] = ()
+    mistakes: Sequence[Mistake | WrittenMistake] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
     errors: Callable[[], Iterator[str]] = lambda: iter(())
     sweep: Callable[[Sequence["Question"]], Sweep] | None = None
@@ -113,6 +116,13 @@ class Question:
         return self.variables[0] if self.variables else getattr(self.solution, "__name__", self.kind)
 
     @property
+    def file(self) -> str:
+        """The path of the file that declares the question, "" if it is unknown."""
+        if isinstance(self.solution, NotebookSolution):
+            return str(self.solution.solutions.folder / "assignment.py")
+        return inspect.getsourcefile(self.solution) or ""
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The names that a student's cells must define."""
         return self.variables or ((self.function,) if self.solution else ())
@@ -120,17 +130,22 @@ class Question:
     @functools.cached_property
     def source(self) -> str:
         """The source of the right solution: of a function or class, or of a cell."""
+        if isinstance(self.solution, NotebookSolution):
+            return self.solution.source
         source = textwrap.dedent(inspect.getsource(self.solution))
         return cell(source) if self.variables else source
 
     @functools.cached_property
     def student(self) -> Mapping[str, Any]:
         """The names that the right solution defines."""
-        return self.defined_by(self.source) if self.variables else {self.function: self.solution}
+        if self.variables or isinstance(self.solution, NotebookSolution):
+            return self.defined_by(self.source)
+        return {self.function: self.solution}
 
     def defined_by(self, source: str) -> Mapping[str, Any]:
-        """Return the names that a source such as that of a mistake defines in the author's file."""
-        names = dict(vars(sys.modules[self.solution.__module__]))
+        """Return the names that a source such as that of a mistake defines beside the right solutions."""
+        is_own = isinstance(self.solution, NotebookSolution)
+        names = dict(self.solution.names if is_own else vars(sys.modules[self.solution.__module__]))
         exec(compile(source, f"<{self.function}>", "exec"), names)
         return names
 
@@ -151,14 +166,9 @@ class Question:
     @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
-        takes_row = {name: "row" in inspect.signature(draw).parameters for name, draw in self.drawn.items()}
-
-        def one(name: str, row: int) -> Any:
-            return np.asarray(self.drawn[name](rng, row=row) if takes_row[name] else self.drawn[name](rng))
-
-        each = [{name: one(name, row) for name in self.drawn} for row in range(rows)]
-        columns = {name: [row[name] for row in each] for name in self.drawn}
-        for name, column in columns.items():
+        each = [self._draw_row(rng, row) for row in range(rows)]
+        columns = {name: [row[name] for row in each] for name in each[0]} if each else {}
+        for name, column in ((name, columns[name]) for name in self.drawn if columns):
             if wrong := [value.dtype for value in column if value.dtype.kind not in ARGUMENTS]:
                 raise TypeError(f"{name} is drawn with dtype {wrong[0]}; {ARGUMENT}")
             one, *others = dict.fromkeys(value.shape for value in column)
@@ -167,6 +177,28 @@ class Question:
                     f"{name} is drawn with shape {one} for one input and {others[0]} for another: {CONSTANT}"
                 )
         return {name: np.array(column) for name, column in columns.items()}
+
+    def _draw_row(self, rng: np.random.Generator, row: int) -> dict[str, Any]:
+        """Return the drawn values of one input by name, and behind them what joint draws return besides."""
+        joint: dict[JointDraw, dict[str, Any]] = {}
+        found = {}
+        for name, draw in self.drawn.items():
+            if isinstance(draw, JointlyDrawn):
+                if draw.joint not in joint:
+                    joint[draw.joint] = draw.joint(rng)
+                found[name] = np.asarray(draw.of(joint[draw.joint]))
+            else:
+                takes_row = "row" in inspect.signature(draw).parameters
+                found[name] = np.asarray(draw(rng, row=row) if takes_row else draw(rng))
+        besides = {n: v for values in joint.values() for n, v in values.items() if n not in self._given}
+        return found | {name: np.asarray(value) for name, value in besides.items()}
+
+    @functools.cached_property
+    def withheld(self) -> tuple[str, ...]:
+        """The names of joint draws that only truths see."""
+        if not any(isinstance(draw, JointlyDrawn) for draw in self.drawn.values()):
+            return ()
+        return tuple(name for name in self._draw_row(np.random.default_rng(0), 0) if name not in self.drawn)
 
     @functools.cached_property
     def document(self) -> dict[str, Any]:
@@ -313,6 +345,7 @@ class Question:
             after=f"{self.id}-public" if part else None,
             known=tuple(f"at_{name}" for name in self.drawn),
             needs=self.variables[1:],
+            withheld=self.withheld,
             question=Later(lambda: self.asked | ({"part": name} if part else {})),
         )
 

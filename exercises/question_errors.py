@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ecp.kinds.asking import KNOWN
+from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import Family, Itself, Mistake
 from exercises.question import Question
 
@@ -83,7 +84,7 @@ def _of_question(question: Question) -> Iterator[str]:
     yield from () if "truth" in question.wrong else _of_truth(question)
     yield from question.errors()
     for label in (label for label, value in question.values.items() if value.partial):
-        if question.values[label].points == 1:
+        if question.values[label].points == 1 and "points" not in question.data:
             yield f"{name} ({label}): partial credit needs points of at least 2"
         if not question.drawn:
             yield f"{name} ({label}): partial credit needs drawn arguments: a single input is right or wrong"
@@ -115,7 +116,7 @@ def _of_truth(question: Question) -> Iterator[str]:
     elif truth is question.solution:
         yield f"the truth of {question.function} is its own solution: give a second method, or itself(reason)"
     else:
-        known = {*question.ask, *question.drawn}
+        known = {*question.ask, *question.drawn, *question.withheld}
         missing = [name for name in inspect.signature(truth).parameters if name not in known]
         yield from (
             f"the truth of {question.function} takes {name}, which is neither asked nor drawn"
@@ -123,11 +124,22 @@ def _of_truth(question: Question) -> Iterator[str]:
         )
 
 
-def _of_mistake(question: Question, mistake: Mistake) -> Iterator[str]:
+def _of_mistake(question: Question, mistake: Mistake | WrittenMistake) -> Iterator[str]:
     try:
         right = question.source
     except (OSError, TypeError):
         return  # reported for the question
+    if isinstance(mistake, WrittenMistake):
+        yield from mistake.errors(right)
+    else:
+        yield from _of_replacement(question, mistake, right)
+    if mistake.code is not None and not CODE.fullmatch(mistake.code):
+        yield f"the diagnosis code {mistake.code!r} must be lower-case words joined by hyphens"
+    if mistake.code is not None and not mistake.sentence.strip():
+        yield f"the mistake {mistake.code} has no sentence for the student"
+
+
+def _of_replacement(question: Question, mistake: Mistake, right: str) -> Iterator[str]:
     if mistake.old not in right:
         yield f"the mistake replaces {mistake.old!r}, which is not in {question.function}"
         return
@@ -138,7 +150,3 @@ def _of_mistake(question: Question, mistake: Mistake) -> Iterator[str]:
         return
     if changed == ast.dump(ast.parse(right)):
         yield f"the mistake {mistake.old!r} → {mistake.new!r} changes nothing"
-    if mistake.code is not None and not CODE.fullmatch(mistake.code):
-        yield f"the diagnosis code {mistake.code!r} must be lower-case words joined by hyphens"
-    if mistake.code is not None and not mistake.sentence.strip():
-        yield f"the mistake {mistake.code} has no sentence for the student"

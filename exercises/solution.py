@@ -23,7 +23,7 @@ class Variant:
 
     ``code`` is a diagnosis code, "" for no diagnosis; ``sentence`` says what a student with this version did.
     ``line`` is the changed line. ``declared`` variants are the author's mistakes; the others change one
-    place.
+    place, or two: then ``both`` are the two changes.
     """
 
     code: str
@@ -31,6 +31,7 @@ class Variant:
     source: str
     line: int = 0
     declared: bool = False
+    both: tuple["Variant", ...] = ()
 
 
 class Solution:

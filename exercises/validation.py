@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
+from ecp.author_errors import AuthorError
 from ecp.data_files import MODULES
 from ecp.exercise import Exercise
 from exercises.assignment import Assignment
@@ -235,6 +236,8 @@ def format_error(error: BaseException, folder: Path) -> str:
     """Return an error raised while importing the folder, with the line of the folder's code that raised
     it.
     """
+    if isinstance(error, AuthorError):
+        return str(error)
     message = f"{type(error).__name__}: {error}"
     own = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).is_relative_to(folder)]
     return (

@@ -123,9 +123,9 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 
 def _declared(scene: Scene) -> dict[str, Any]:
-    declared = {
-        name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")
-    }
+    declared = {name: getattr(scene, name) for name in ("name", "play", "function", "budget_s", "after")}
+    assert not callable(scene.inputs)
+    declared["inputs"] = {name: value for name, value in scene.inputs.items() if name not in scene.withheld}
     declared["returns"] = {name: vars(spec) for name, spec in scene.returns.items()}
     declared |= {"known": list(scene.known), "needs": list(scene.needs)}
     return declared | ({} if scene.question is None else {"question": scene.question})

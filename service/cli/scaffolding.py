@@ -3,6 +3,7 @@ which copies the template with another title.
 """
 
 import argparse
+import json
 import keyword
 import re
 import sys
@@ -12,10 +13,11 @@ from pathlib import Path
 
 from exercises import catalogue
 from exercises.importing import quoted
+from exercises.publish import markdown
 from service.cli.errors import CommandError
 
-TEMPLATE = Path(__file__).parent / "scaffold" / catalogue.DECLARATION
-TITLE = '"The pendulum"'
+TEMPLATE = Path(__file__).parent / "scaffold"
+TITLE = "The pendulum"
 LONGEST, MOST_TITLE = 60, 100
 
 
@@ -77,9 +79,16 @@ def _new(arguments: argparse.Namespace) -> None:
 
 def scaffold(slug: str, title: str, into: Path) -> Path:
     """Create the folder of a new assignment within ``into`` and return it. Raises as ``created`` does."""
-    text = TEMPLATE.read_text(encoding="utf-8")
-    assert text.count(TITLE) == 1
-    return created(slug, title, into, {catalogue.DECLARATION: text.replace(TITLE, quoted(title)).encode()})
+    in_file = {
+        catalogue.DECLARATION: (quoted(TITLE), quoted(title)),
+        "notebook.ipynb": (f"# {TITLE}", f"# {json.dumps(markdown(title), ensure_ascii=False)[1:-1]}"),
+    }
+    files = {}
+    for name, (old, new) in in_file.items():
+        text = (TEMPLATE / name).read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        files[name] = text.replace(old, new).encode()
+    return created(slug, title, into, files)
 
 
 def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Path:

@@ -9,6 +9,8 @@ from ecp.outcome import Ended
 from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.samples import Sample, SampleSet, codes, entry
+from exercises.validation import format_error
+from service.grading.jobs import draw_inputs, truth
 from service.grading.result import GradedFile
 from service.sandbox.time_budget import DEFAULT_LIMITS
 
@@ -18,13 +20,14 @@ CPU_FACTOR = 5  # a grading's limit of CPU time, in units of what the right solu
 @dataclass
 class Tally:
     """Counts over the samples of an assignment, with the checks made, the checks that failed and the
-    diagnosis codes named.
+    diagnosis codes named. ``faults`` could not be graded.
 
     ``cpu_s`` is the most CPU time in seconds that grading a right sample used.
     """
 
     samples: int = 0
     unexpected: int = 0
+    faults: int = 0
     right: int = 0
     made: set[str] = field(default_factory=set)
     failed: set[str] = field(default_factory=set)
@@ -41,6 +44,19 @@ class Tally:
             self.made |= {o.id for o in graded.report.outcomes()}
             self.failed |= {o.id for o in graded.report.outcomes() if o.verdict is Verdict.FAIL}
             self.named |= codes(document(graded.report))
+
+
+def declaration_errors(assignment: Assignment, seed: int) -> list[str]:
+    """Return what the author's draws, truths and solutions raise when each scene is asked once, with file and
+    line.
+    """
+    found = []
+    for scene in (scene for scene in assignment.scenes if scene.question is not None):
+        try:
+            truth(scene, draw_inputs(scene, seed))
+        except (Exception, SystemExit) as error:
+            found.append(format_error(error, assignment.folder))
+    return list(dict.fromkeys(found))
 
 
 def differences(sample: Sample, graded: GradedFile) -> Iterator[str]:
@@ -119,7 +135,11 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
     about checks and codes that no sample shows.
     """
     agreed = tally.samples - tally.unexpected
-    yield f"{assignment.slug}: {agreed} of {tally.samples} samples as expected, {len(tally.made)} checks"
+    yield (
+        f"{assignment.slug}: {agreed} of {tally.samples + tally.faults} samples as expected,"
+        f" {len(tally.made)} checks"
+        + (f"; {tally.faults} samples could not be graded" if tally.faults else "")
+    )
     yield from (f"{name}: listed in expected.toml, but the file does not exist" for name in found.missing)
     if whole:
         yield from _warning(

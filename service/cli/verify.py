@@ -76,6 +76,14 @@ def _verify(arguments: argparse.Namespace) -> int:
         print(f"polhode: {sentence}", file=sys.stderr)
     codes = [2 if invalid or not sets else 0]
     for assignment, found in sets:
+        if wrong := verification.declaration_errors(assignment, arguments.seed):
+            print(
+                *(f"polhode: assignment {assignment.slug}: {error}" for error in wrong),
+                sep="\n",
+                file=sys.stderr,
+            )
+            codes.append(2)
+            continue
         own = bool(found.samples or found.unlisted or not assignment.questions)
         if assignment.questions:
             made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
@@ -147,13 +155,13 @@ def _verify_one(
             file=sys.stderr,
         )
         return 2
-    tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in listed}
+    tally, entries, known = verification.Tally(), [], {s.file: s for s in listed}
     with Progress(len(asks), "as expected") as progress:
         for graded in grade_files(
             asks, GradeOptions(assignment, arguments.seed), isolation, arguments.jobs, progress.update
         ):
             if graded.fault:
-                faults += 1
+                tally.faults += 1
                 progress.print(
                     f"?  {graded.file.name}   not graded (system fault): {graded.fault}", good=False
                 )
@@ -168,9 +176,9 @@ def _verify_one(
             progress.print("\n     ".join([head, *wrong]), good=not wrong)
     if entries:
         write(assignment.folder / "samples" / "expected.toml", with_entries(assignment, entries))
-    for line in verification.summary(assignment, found, tally, whole=not arguments.only and not faults):
+    for line in verification.summary(assignment, found, tally, whole=not arguments.only and not tally.faults):
         print(line)
-    return 2 if faults else 1 if tally.unexpected or found.missing else 0
+    return 2 if tally.faults else 1 if tally.unexpected or found.missing else 0
 
 
 def _is_selected(name: str, only: Sequence[str] | None) -> bool:

@@ -59,11 +59,10 @@ def verify_made(
         found = notebook_differences(assignment, list(samples.values()), results.reports, update)
     for name, wrong in results.differences.items():
         wrong += [*results.same_numbers(name), *found.get(name, ())]
-        results.tally.unexpected += bool(found.get(name))
         print("\n     ".join([f"{'✗' if wrong else '✓'}  {name}", *wrong]))
     for line in results.summary(len(seeds), whole=whole and not results.faults):
         print(line)
-    return 2 if results.faults else 1 if results.tally.unexpected else 0
+    return 2 if results.faults else 1 if any(results.differences.values()) else 0
 
 
 class _Results:
@@ -72,7 +71,8 @@ class _Results:
     """
 
     def __init__(self, assignment: Assignment, samples: Mapping[str, MadeSample]) -> None:
-        self.assignment, self.samples, self.tally, self.faults = assignment, samples, Tally(), 0
+        self.assignment, self.samples, self.tally = assignment, samples, Tally()
+        self.faults: set[str] = set()
         self.differences: dict[str, list[str]] = {name: [] for name in samples}
         self.reports: dict[str, Report] = {}
         self._measured: defaultdict[str, list[tuple[str, Verdict, str]]] = defaultdict(list)
@@ -93,7 +93,7 @@ class _Results:
         """Add the grading of a sample. Return whether it is as expected."""
         name, report = graded.file.name, graded.report
         if graded.fault:
-            self.faults += 1
+            self.faults.add(name)
             self.differences[name].append(f"seed {seed}: not graded (system fault): {graded.fault}")
             return False
         wrong = [f"cannot be graded: {graded.refused}"]
@@ -133,12 +133,15 @@ class _Results:
         """Yield how many samples are as expected, and for a ``whole`` set the checks that no sample fails and
         slow exercises.
         """
-        tally = self.tally
-        agreed = f"{tally.samples - tally.unexpected} of {tally.samples} samples as expected"
-        yield f"{self.assignment.slug}: {agreed} on {seeds} seeds, {len(tally.made)} checks"
+        agreed = sum(not wrong for wrong in self.differences.values())
+        yield (
+            f"{self.assignment.slug}: {agreed} of {len(self.samples)} samples as expected on {seeds}"
+            f" {'seeds' if seeds > 1 else 'seed'}, {len(self.tally.made)} checks"
+            + (f"; {len(self.faults)} samples could not be graded" if self.faults else "")
+        )
         if whole:
             yield from self._untested()
-            yield from cpu_warning(self.assignment, tally)
+            yield from cpu_warning(self.assignment, self.tally)
             yield from self._slow()
 
     def _untested(self) -> Iterator[str]:

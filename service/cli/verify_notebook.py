@@ -99,6 +99,9 @@ def _statements(assignment: Assignment) -> Iterator[dict[str, Any]]:
         elif {"install", "check", "submit"} & set(cell.tags):
             continue
         for source, solution in parts:
+            if solution and not solved:  # solutions of later exercises run here too
+                given = author_notebook.given_constants(cells, names)
+                yield {"source": given, "cell": "constants of given cells", "solution": False}
             if not (solution and solved):
                 yield {"source": source, "cell": f"code cell {number}", "solution": solution}
             solved |= solution

@@ -1,9 +1,10 @@
-"""Diagnosis by reproduction: the one variant of the right solution that returns the student's numbers.
+"""Diagnosis by reproduction: which wrong version of the right solution returns the student's numbers.
 
 The variants are played in the sandbox, without the submission, because a wrong solution may not end.
 """
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
@@ -12,65 +13,120 @@ from ecp.kinds import diagnose, reproduces
 from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Scene
 from exercises.solution import Variant
+from service.grading.diagnosing import with_scenes
+from service.grading.explanations import Cause, Component, causes, diagnoses, wrong_components
 from service.grading.playing import PlayedJob
+from service.grading.quoting import StudentCode
 from service.sandbox.job import Job
+from service.sandbox.result import TooBusy
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 VARIANT_S = 0.5  # of CPU time for one variant of one scene; the right solution needs far less
-LIMITS = TimeLimits(cpu_s=20.0, wall_s=40.0)
+LIMITS = TimeLimits(cpu_s=30.0, wall_s=60.0)  # of all variants that one grading plays
 
 Predictions = Mapping[Variant, Arrays]
-_public: WeakKeyDictionary[Scene, Predictions] = WeakKeyDictionary()
+_public: WeakKeyDictionary[Scene, dict[str, Predictions]] = WeakKeyDictionary()
+"""The predictions of single and of double changes for public scenes, whose inputs are fixed."""
+
+
+class _NotKnown(Exception):
+    """The budget is spent before all variants are known."""
 
 
 def diagnose_question(
-    assignment: Assignment, id: str, played: PlayedJob, sandbox: Sandbox
+    assignment: Assignment, id: str, played: PlayedJob, sandbox: Sandbox, budget: TimeBudget
 ) -> list[Diagnosis]:
-    """Return the diagnosis of the variant that alone reproduces the arrays of the question's scenes, else
-    none.
+    """Return the diagnosis of the cause that alone predicts the arrays of the question's scenes, else those
+    of its wrong components, each for itself; none if nothing predicts them.
 
-    An author's mistake takes precedence over a generated variant. Parts of a question, such as a motion,
-    follow from its values. A kind that diagnoses its arrays itself needs no variant. Raises SystemFault if
-    the sandbox fails.
+    Of several causes, declared mistakes come first; solutions with two changes are played only if nothing
+    else predicts any wrong component. Parts of a question, such as a motion, follow from its values. A kind
+    that diagnoses its arrays itself needs no variant. The diagnosis records the scenes that were needed: the
+    public ones if they alone show it. If the ``budget`` is spent before all variants are known, or the
+    machine is too busy, there is none. Raises SystemFault if the sandbox fails.
     """
-    arrays, left = played.result.arrays, None
+    arrays = played.result.arrays
     asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
-    for scene in [s for s, question in asked if question["id"] == id and not question.get("part")]:
+    scenes = [s for s, question in asked if question["id"] == id and not question.get("part")]
+    scenes.sort(key=lambda scene: callable(scene.inputs))
+    for scene in scenes:
         assert scene.question is not None
         own = diagnose(scene.question, arrays[scene.name], played.truths[scene.name])
         if own is not None:
-            return own
-        predicted = _predict(assignment, scene, played, sandbox, left)
-        left = [v for v in predicted if reproduces(scene.question, arrays[scene.name], predicted[v])]
-    for candidates in ([v for v in left or [] if v.declared], [v for v in left or [] if not v.declared]):
-        if found := {(v.code, v.sentence) for v in candidates}:
-            (code, sentence), *others = found
-            return [Diagnosis(code, sentence, 1.0)] if code and not others else []
+            return with_scenes(own, [scene.name])
+
+    def predict(kind: str, scene: Scene, versions: Sequence[Variant]) -> Predictions:
+        known = _public.setdefault(scene, {})
+        if kind not in known:
+            found = play_variants(played.job, scene.name, versions, sandbox, budget, budget_s=VARIANT_S)
+            if budget.exceeded():
+                raise _NotKnown
+            differing = _differing(scene, versions[0], found)
+            if callable(scene.inputs):
+                return differing
+            known[kind] = differing
+        return known[kind]
+
+    try:
+        for kind, versions in (("single", assignment.variants), ("double", assignment.pairs)):
+            if found := _explained(scenes, played, versions(id), functools.partial(predict, kind)):
+                return found
+    except (_NotKnown, TooBusy):
+        pass
     return []
 
 
-def _predict(
-    assignment: Assignment, scene: Scene, played: PlayedJob, sandbox: Sandbox, only: Sequence[Variant] | None
-) -> Predictions:
-    """Return the arrays of each variant (``only``: of these) that finishes the scene and differs from the
-    right solution.
+def _explained(
+    scenes: Sequence[Scene],
+    played: PlayedJob,
+    versions: Sequence[Variant],
+    predict: Callable[[Scene, Sequence[Variant]], Predictions],
+) -> list[Diagnosis]:
+    """Return the diagnoses of the scenes' arrays by versions of the right solution, or by what the arrays
+    are.
     """
-    if only is not None and not only:
-        return {}
-    if scene in _public:
-        return _public[scene]
+    used = list[str]()
+    left: dict[Component, set[Cause]] = {}
+    public: tuple[list[Diagnosis], tuple[str, ...]] = ([], ())
+    sources = [cell.source for cell in played.job.cells]
+    for scene in scenes:
+        assert scene.question is not None
+        used.append(scene.name)
+        seen, truth = played.result.arrays[scene.name], played.truths[scene.name]
+        wrong = wrong_components(scene.question, seen, truth)
+        chosen = _chosen(versions[1:], left, wrong)
+        predicted = predict(scene, [*versions[:1], *chosen]) if chosen else {}
+        found = causes(scene.question, seen, truth, predicted, wrong)
+        left = {part: left[part] & of if part in left else of for part, of in {**left, **found}.items()}
+        student = StudentCode(sources, scene.function)
+        if not callable(scene.inputs):
+            public = diagnoses(left, student), tuple(used)
+    given = diagnoses(left, student) if scenes else []
+    return with_scenes(given, public[1] if given == public[0] else used)
+
+
+def _chosen(
+    variants: Sequence[Variant],
+    left: Mapping[Component, Collection[Cause]],
+    wrong: Sequence[Component],
+) -> Sequence[Variant]:
+    """Return the variants that are left for the ``wrong`` components; all if one of them is new."""
+    if not left or any(component not in left for component in wrong):
+        return variants
+    still = {cause.variant for of in left.values() for cause in of}
+    return [variant for variant in variants if variant in still]
+
+
+def _differing(scene: Scene, right: Variant, found: dict[Variant, Arrays]) -> Predictions:
+    """Return the arrays of the versions that differ from those of the ``right`` solution."""
     assert scene.question is not None
-    right, *variants = assignment.variants(scene.question["id"])
-    chosen = [right, *(variants if only is None else only)]
-    found = play_variants(played.job, scene.name, chosen, sandbox, budget_s=VARIANT_S, limits=LIMITS)
-    exact = found.pop(right, {})
-    differing = {
-        variant: arrays for variant, arrays in found.items() if not reproduces(scene.question, arrays, exact)
+    exact = found.get(right, {})
+    return {
+        variant: arrays
+        for variant, arrays in found.items()
+        if variant is not right and not reproduces(scene.question, arrays, exact)
     }
-    if not callable(scene.inputs):
-        _public[scene] = differing
-    return differing
 
 
 def play_variants(
@@ -78,17 +134,17 @@ def play_variants(
     scene: str,
     variants: Sequence[Variant],
     sandbox: Sandbox,
+    budget: TimeBudget,
     *,
     budget_s: float,
-    limits: TimeLimits,
 ) -> dict[Variant, Arrays]:
-    """Play one scene of a job with each variant in place of the submission. Return the arrays of those that
-    finish it in time.
+    """Play one scene of a job with each variant in place of the submission, each for at most ``budget_s`` and
+    all within ``budget``. Return the arrays of those that finish it in time.
     """
     (request,) = (request for request in job.scenes if request.name == scene)
     one = replace(request, budget_s=budget_s, after=None)
     requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(variants))
     found = sandbox.play(
-        replace(job, cells=(), functions=(), variables=(), scenes=requests), budget=TimeBudget(limits)
+        replace(job, cells=(), functions=(), variables=(), scenes=requests), budget=budget
     ).arrays
     return {variant: found[str(k)] for k, variant in enumerate(variants) if str(k) in found}

@@ -171,8 +171,8 @@ def points_errors(points: Any) -> list[str]:
     is_integer = isinstance(points, int) and not isinstance(points, bool)
     return (
         []
-        if is_integer and 1 <= points <= MOST_POINTS
-        else [f"points is {points!r}; it must be an integer from 1 to {MOST_POINTS}"]
+        if is_integer and 0 <= points <= MOST_POINTS
+        else [f"points is {points!r}; it must be an integer from 0 to {MOST_POINTS}"]
     )
 
 

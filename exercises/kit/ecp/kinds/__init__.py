@@ -10,6 +10,7 @@ and ``ecp.check`` use the same functions.
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -109,6 +110,8 @@ def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hi
         if scene
         for check in question_checks(question, scene, is_hidden)
     ]
+    points = {id: given for q in asked for id, given in q.get("points", {}).items()}
+    checks = [replace(check, points=points.get(check.id, check.points)) for check in checks]
     figures = [figure for q in asked for figure in _if_defined("figures", q) or ()]
     sheets = [sheet for q in asked for sheet in _if_defined("animations", q) or ()]
     names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])

@@ -16,7 +16,8 @@ def aligned(got: Array, want: Array, up_to: str | None) -> Array:
 
     "sign": the whole value may have the other sign. "order": numbers or rows of a list in any order. "column
     signs", "column phases" (complex values, as (…, 2)) and "column order and signs": of the columns of a
-    matrix. "span": the columns may be any orthonormal basis of the same space.
+    matrix. "span": the columns may be any orthonormal basis of the same space. "full turns": angles in rad,
+    to which multiples of 2π may be added.
     """
     if up_to is None or got.shape != want.shape or not np.all(np.isfinite(got)):
         return got
@@ -72,6 +73,10 @@ def _span(got: Array, want: Array) -> Array:
     return np.asarray(got @ (left @ right))
 
 
+def _full_turns(got: Array, want: Array) -> Array:
+    return np.asarray(got + 2 * np.pi * np.round((want - got) / (2 * np.pi)))
+
+
 UP_TO: dict[str, tuple[Callable[[Array, Array], Array], int, bool | None]] = {
     "sign": (_sign, 0, None),
     "order": (_order, 1, None),
@@ -79,6 +84,7 @@ UP_TO: dict[str, tuple[Callable[[Array, Array], Array], int, bool | None]] = {
     "column phases": (_column_phases, 2, True),
     "column order and signs": (_column_order_and_signs, 2, False),
     "span": (_span, 2, False),
+    "full turns": (_full_turns, 0, False),
 }
 """How each is aligned, the least number of dimensions it needs, and whether the numbers are complex, if it
 matters.

@@ -1,0 +1,300 @@
+"""What an exercise asks for: one solution of the notebook, in one or several cases, and all that concerns
+it.
+"""
+
+import functools
+import inspect
+import itertools
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from ecp.kinds import asking
+from ecp.outcome import Tolerance
+from exercises.authoring.draws import JointDraw
+from exercises.authoring.solutions import NotebookSolution
+from exercises.authoring.written_mistakes import WrittenMistake
+from exercises.declared import Itself, Mistake, Value
+from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Case:
+    """Inputs that a solution is asked with; ``name`` follows "is right for" in the label of its checks.
+
+    ``call`` is an expression to evaluate instead of calling the solution with its parameters. ``rows`` are
+    the numbers of public and of hidden inputs.
+    """
+
+    name: str
+    given: Mapping[str, Any]
+    joint: JointDraw | None
+    call: str | None
+    rows: tuple[int, int]
+    line: int
+
+    def inputs(self, parameters: Sequence[str], defaults: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the inputs by parameter, in order: those given by name, ``defaults``, others from the joint
+        draw.
+        """
+        if self.call is not None:
+            return dict(self.given)
+        drawn = self.joint.names if self.joint else ()
+        joint = {name: self.joint[name] for name in parameters if name in drawn} if self.joint else {}
+        found = {**defaults, **joint, **self.given}
+        return {name: found[name] for name in [*parameters, *found] if name in found}
+
+
+class DeclarationError(ValueError):
+    """An error of the author's declaration at a ``line`` of the file."""
+
+    def __init__(self, message: str, line: int) -> None:
+        super().__init__(message)
+        self.line = line
+
+
+@dataclass(eq=False)
+class AskedSolution:
+    """A solution that an exercise asks for at a ``line`` of the file, with its mistakes.
+
+    ``share`` is its share of the exercise's points.
+    """
+
+    solution: NotebookSolution
+    line: int
+    share: float
+    mistakes: list[Mistake | WrittenMistake] = field(default_factory=list, kw_only=True)
+    errors: list[DeclarationError] = field(default_factory=list, kw_only=True)
+
+    @property
+    def solution_name(self) -> str:
+        """The name of the solution, by which the source of mistakes refers to it."""
+        return self.solution.__name__
+
+    def mistake(
+        self,
+        code: str | None = None,
+        sentence: str = "",
+        *,
+        change: str | None = None,
+        **family: Sequence[Any],
+    ) -> Any:
+        """Declare a wrong answer with its diagnosis ``code`` and the ``sentence`` that says what the student
+        did.
+
+        ``change="old -> new"`` is the solution with one place replaced. Otherwise decorate a function that
+        takes the solution's parameters; it may call the solution. ``family`` makes it a family of mistakes:
+        each parameter with its values, which the sentence names in braces. Without a code it is a sample
+        only.
+        """
+        line = sys._getframe(1).f_lineno
+        if change is not None:
+            self._replace(change, code, sentence, line)
+            return None
+
+        def decorate(function: FunctionType) -> FunctionType:
+            for given in _members(family):
+                named = sentence.format(**given) if given else sentence
+                self.mistakes.append(
+                    WrittenMistake(function, self.solution_name, code, named, line, given, self._known)
+                )
+            return function
+
+        return decorate
+
+    def _replace(self, change: str, code: str | None, sentence: str, line: int) -> None:
+        old, arrow, new = change.partition(" -> ")
+        count = self.solution.source.count(old)
+        if not arrow:
+            self._error(f'change={change!r} must be "old -> new"', line)
+        elif count != 1:
+            where = "is not in" if count == 0 else f"occurs {count} times in"
+            self._error(f"{old!r} {where} {self.solution_name}: it must occur once", line)
+        else:
+            self.mistakes.append(Mistake(old, new, code, sentence, line))
+
+    def _error(self, message: str, line: int) -> None:
+        """Keep an error, so that all errors of a declaration are reported at once."""
+        self.errors.append(DeclarationError(message, line))
+
+    def _known(self) -> set[str]:
+        return {name for cell in self.solution.solutions.cells for name in cell.bound()}
+
+
+@dataclass(eq=False)
+class Asked(AskedSolution):
+    """A function or class that an exercise asks for. The author adds cases, a truth, tolerances and mistakes.
+
+    ``make(inputs=, agree=, truth=, case=, uses=)`` returns the question of one case. ``values`` are the names
+    of what the solution returns: none for a single value, None if the question compares no values.
+    ``defaults`` are inputs that cases need not give.
+    """
+
+    make: Callable[..., Question]
+    joint: JointDraw | None
+    values: tuple[str, ...] | None
+    partial: bool
+    cases: list[Case] = field(default_factory=list, kw_only=True)
+    tolerances: dict[str, Tolerance | Value] = field(default_factory=dict, kw_only=True)
+    exact: Function | Itself | None = field(default=None, kw_only=True)
+    defaults: dict[str, Any] = field(default_factory=dict, kw_only=True)
+
+    def case(
+        self,
+        name: str,
+        inputs: JointDraw | None = None,
+        *,
+        call: str | None = None,
+        public: int = PUBLIC_ROWS,
+        hidden: int = HIDDEN_ROWS,
+        **given: Any,
+    ) -> None:
+        """Add a case: the inputs by parameter, or those of a joint draw.
+
+        ``call`` is an expression to evaluate instead, such as ``"Pendulum(l, g).period()"``; then the inputs
+        are its names. ``public`` and ``hidden`` are the numbers of inputs.
+        """
+        line = sys._getframe(1).f_lineno
+        self.cases.append(Case(name, given, inputs or self.joint, call, (public, hidden), line))
+
+    def truth(
+        self,
+        function: Function | None = None,
+        *,
+        agree: Tolerance | Value | None = None,
+        each: str | None = None,
+    ) -> Any:
+        """Decorate the function that computes the exact answer from the inputs and drawn names that it takes.
+
+        ``agree`` is the tolerance of every returned value. With ``each`` the function gets single numbers of
+        that argument, an array.
+        """
+
+        def decorate(truth: Function) -> Function:
+            self.exact = for_each(truth, each) if each else truth
+            if agree is not None:
+                self.agree(agree)
+            return truth
+
+        return decorate if function is None else decorate(function)
+
+    def is_its_own_truth(self, *, because: str) -> None:
+        """Declare that nothing but the right solution can be its truth, and why."""
+        self.exact = Itself(because)
+
+    def agree(self, every: Tolerance | Value | None = None, **by_name: Tolerance | Value) -> None:
+        """Set the tolerance of every returned value, or of some by their names."""
+        names = self.values or ("value",)
+        if every is not None:
+            self.tolerances |= dict.fromkeys(names, every)
+        if unknown := [name for name in by_name if name not in names]:
+            message = f"{self.solution_name} returns {', '.join(names)}, not {', '.join(unknown)}"
+            self._error(message, sys._getframe(1).f_lineno)
+        self.tolerances |= by_name
+
+    def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:
+        """Return the question of each case; ``uses`` are the earlier solutions that this one calls."""
+        cases = self.cases or [Case("", {}, self.joint, None, (PUBLIC_ROWS, HIDDEN_ROWS), self.line)]
+        return [self._question(case, uses, several=len(cases) > 1) for case in cases]
+
+    def _question(self, case: Case, uses: Sequence[NotebookSolution], several: bool) -> Question:
+        parameters = list(inspect.signature(self.solution).parameters)
+        label = f"{self.solution_name} is right" + (f" for {case.name}" if several else "")
+        truth = self.exact
+        if case.call is not None and callable(truth):
+            truth = of_expression(case.call, self.solution_name, truth, case.given)
+        question = self.make(
+            inputs=case.inputs(parameters, self.defaults),
+            agree=self._agreement(label),
+            truth=truth,
+            case=case,
+            uses=list(uses),
+        )
+        return replace(question, mistakes=tuple(self.mistakes), line=case.line)
+
+    def _agreement(self, label: str) -> Value | dict[str, Value] | None:
+        """Return the tolerance of the single value, or of each value by name, with labels that begin with
+        ``label``.
+        """
+        if self.values is None:
+            return None
+        if missing := [name for name in self.values or ("value",) if name not in self.tolerances]:
+            what = ", ".join(missing) if self.values else self.solution_name
+            raise DeclarationError(
+                f"{what} has no tolerance: give agree= to the truth, or call {self.solution_name}.agree(…)",
+                self.line,
+            )
+        if not self.values:
+            return labelled(self.tolerances["value"], label, self.partial)
+        return {
+            name: labelled(self.tolerances[name], f"{label}: {name}", self.partial) for name in self.values
+        }
+
+
+class RightHandSide(Asked):
+    """The right-hand side of an ordinary differential equation."""
+
+    closed_form: Function | None = None
+
+    def motion(self, function: Function) -> Function:
+        """Decorate the closed form of the motion: called with times (n,), the state at t = 0 and the other
+        inputs that it takes, it returns the first k components of the state (k, n).
+        """
+        self.closed_form = function
+        return function
+
+
+class Step(Asked):
+    """One step of an integration method."""
+
+    derivatives: Function | None = None
+
+    def rates(self, function: Function) -> Function:
+        """Decorate the function that returns the derivatives of the state in order, if the function argument
+        does not.
+        """
+        self.derivatives = function
+        return function
+
+
+def labelled(value: Tolerance | Value, label: str, partial: bool) -> Value:
+    """Return a tolerance with the label of its check, unless it has one."""
+    one = value if isinstance(value, Value) else Value(value)
+    return replace(one, label=one.label or label, partial=one.partial or partial)
+
+
+def for_each(truth: Function, name: str) -> Function:
+    """Return the truth for an array ``name``, from one for a single number."""
+
+    @functools.wraps(truth)
+    def of_array(**given: Any) -> Any:
+        numbers = np.asarray(given[name])
+        answers = [truth(**{**given, name: number}) for number in numbers.ravel().tolist()]
+        if answers and isinstance(answers[0], tuple):
+            return tuple(np.array(one).reshape(numbers.shape) for one in zip(*answers, strict=True))
+        return np.array(answers).reshape(numbers.shape)
+
+    return of_array
+
+
+def of_expression(call: str, name: str, truth: Function, given: Mapping[str, Any]) -> Function:
+    """Return the exact value of an expression of the solution ``name``: with the truth in its place."""
+
+    def exact(**values: Any) -> Any:
+        return asking.evaluate(call, values | {name: truth})
+
+    exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in given]
+    )
+    return exact
+
+
+def _members(family: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return the parameters of each member of a family; of no family one without parameters."""
+    return [dict(zip(family, member, strict=True)) for member in itertools.product(*family.values())]

@@ -1,0 +1,147 @@
+"""Draws: what a question is asked, new for each grading.
+
+A draw is a function of a random generator. Draws that belong together are made by one function of the
+author's, a joint draw: the solution gets those that its parameters name, and a truth may take every one of
+them.
+"""
+
+import functools
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ecp.outcome import Tolerance
+from exercises.declared import Draw, Family, Value
+
+
+def between(low: float, high: float) -> Draw:
+    """Return the draw of a number between ``low`` and ``high``."""
+    return lambda rng: rng.uniform(low, high)
+
+
+def with_ends(low: float, high: float, *, log: bool = False) -> Draw:
+    """Return the draw of a number from ``low`` to ``high``, each end in a fifth of cases; with ``log``
+    uniform in its logarithm.
+    """
+
+    def draw(rng: np.random.Generator) -> float:
+        part = rng.uniform(-1 / 3, 4 / 3)
+        inside = low * (high / low) ** part if log else low + (high - low) * part
+        return min(max(inside, low), high)
+
+    return draw
+
+
+def integer(low: int, high: int) -> Draw:
+    """Return the draw of an integer from ``low`` to ``high`` inclusive."""
+    return lambda rng: rng.integers(low, high, endpoint=True)
+
+
+def normal(rng: np.random.Generator) -> float:
+    """Draw a standard normal number."""
+    return rng.normal()
+
+
+def one_of(*values: Any) -> Draw:
+    """Return the draw of one of these ``values``."""
+    return lambda rng: values[rng.integers(len(values))]
+
+
+def array_of(shape: int | tuple[int, ...], each: Draw) -> Draw:
+    """Return the draw of an array of this length or shape, whose numbers are drawn one by one."""
+
+    def draw(rng: np.random.Generator) -> Any:
+        return np.array([each(rng) for _ in range(math.prod(np.atleast_1d(shape)))]).reshape(shape)
+
+    return draw
+
+
+class Angle:
+    """The draw of an angle in rad from −π to π; ``within`` is the tolerance of one, modulo 2π."""
+
+    def __call__(self, rng: np.random.Generator) -> float:
+        """Draw an angle."""
+        return rng.uniform(-math.pi, math.pi)
+
+    def within(self, limit: float, *, because: str) -> Value:
+        """Return the tolerance of an angle or phase in rad: full turns do not count."""
+        return Value(Tolerance(rtol=0.0, atol=limit, reason=because), up_to="full turns")
+
+
+angle = Angle()
+
+
+def expression(text: str, *, of: str, **given: Any) -> Family:
+    """Return a function argument: the expression ``text`` of the variables ``of``, such as "t y".
+
+    ``given`` are its parameters: constants, or draws. The expression may use the functions of
+    ``ecp.kinds.asking.MATHEMATICS``.
+
+    >>> expression("-k * x", of="t x", k=between(1, 2)).over
+    ('t', 'x')
+    """
+    return Family(text, tuple(of.split()), given)
+
+
+class Drawing:
+    """What a joint draw is called with: draws one value after the other from the generator ``rng``."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.rng = rng
+
+    def __call__(self, draw: Draw) -> Any:
+        """Return the value of a draw."""
+        return draw(self.rng)
+
+    def sign(self) -> float:
+        """Return 1.0 or -1.0."""
+        return self.rng.choice((-1.0, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class JointDraw:
+    """A function of the author's that draws names that belong together; ``draw["mu"]`` is one of them."""
+
+    function: Callable[[Drawing], Mapping[str, Any]]
+
+    def __call__(self, rng: np.random.Generator) -> dict[str, Any]:
+        """Return all drawn values by name. Raises TypeError if the function returns anything else."""
+        found = self.function(Drawing(rng))
+        if not isinstance(found, Mapping):
+            raise TypeError(
+                f"the draw {self.function.__name__} returned {type(found).__name__}: it must return a dict of"
+                " the drawn values by name"
+            )
+        return dict(found)
+
+    @functools.cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names that it draws."""
+        return tuple(self(np.random.default_rng(0)))
+
+    def __getitem__(self, name: str) -> "JointlyDrawn":
+        return JointlyDrawn(self, name)
+
+
+@dataclass(frozen=True)
+class JointlyDrawn:
+    """One name of a joint draw, as an argument of a question."""
+
+    joint: JointDraw
+    name: str
+
+    def __call__(self, rng: np.random.Generator) -> Any:
+        """Return the value of a new joint draw. Raises LookupError if it lacks the name."""
+        return self.of(self.joint(rng))
+
+    def of(self, values: Mapping[str, Any]) -> Any:
+        """Return the value among those that the joint draw returned. Raises LookupError if it is missing."""
+        if self.name not in values:
+            raise LookupError(
+                f"the draw {self.joint.function.__name__} does not return {self.name}; it returns"
+                f" {', '.join(values)}"
+            )
+        return values[self.name]

@@ -1,0 +1,146 @@
+"""The solutions of the author's notebook: functions, classes and cells, found by the names that they
+define.
+"""
+
+import ast
+import functools
+import inspect
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ecp.notebook.cells import DEFINITION, Statement, statements_of
+from exercises import author_notebook
+from exercises.author_notebook import Cell
+
+
+class NoSolution(LookupError):
+    """The notebook does not define a solution, or defines it more than once; the message says which."""
+
+
+class NotebookSolution:
+    """One right solution: its name, its source, and what it is called with. It runs when it is first
+    called.
+    """
+
+    def __init__(self, solutions: "Solutions", name: str, source: str, node: ast.AST | None) -> None:
+        self.solutions, self.__name__, self.source = solutions, name, source
+        self.__signature__ = _signature(node)
+        self.is_function = isinstance(node, ast.FunctionDef)
+
+    @property
+    def names(self) -> Mapping[str, Any]:
+        """The global names of the notebook: those of its Setup, of given cells and of all solutions."""
+        return self.solutions.names
+
+    def __call__(self, *values: Any, **named: Any) -> Any:
+        """Call the solution."""
+        return self.names[self.__name__](*values, **named)
+
+
+class Solutions:
+    """The solutions in the ``cells`` of the author's notebook in ``folder``.
+
+    ``setup`` is the source that runs before them: Setup and the constants of given cells. ``asked`` are the
+    names that questions ask for.
+    """
+
+    def __init__(self, cells: Sequence[Cell], folder: Path) -> None:
+        self.cells, self.folder = cells, folder
+        self.asked: set[str] = set()
+        self._found: dict[str, NotebookSolution] = {}
+
+    def function(self, name: str) -> NotebookSolution:
+        """Return the function or class that a cell defines. Raises NoSolution."""
+        found = [s for _, s in self._statements(name) if isinstance(s.node, DEFINITION)]
+        if not found:
+            raise NoSolution(f"no cell of the notebook defines the function {name}")
+        if len(found) > 1:
+            raise NoSolution(
+                f"{len(found)} cells of the notebook define {name}: keep one, which is the solution"
+            )
+        return self._solution(name, _text_of(found[0]), found[0].node)
+
+    def cell(self, names: Sequence[str]) -> NotebookSolution:
+        """Return the cell that assigns the variables ``names``. Raises NoSolution."""
+        number = {name: sorted({k for k, _ in self._statements(name)}) for name in names}
+        if absent := [name for name in names if not number[name]]:
+            raise NoSolution(f"no solution cell of the notebook assigns {', '.join(absent)}")
+        found = sorted({k for cells in number.values() for k in cells})
+        if len(found) > 1:
+            places = "; ".join(
+                f"{name} in code cell {', '.join(map(str, at))}" for name, at in number.items()
+            )
+            raise NoSolution(
+                f"one solution cell must assign {', '.join(names)}, but they are assigned in several:"
+                f" {places}"
+            )
+        return self._solution(names[0], self._code[found[0] - 1].source.strip("\n"), None)
+
+    @functools.cached_property
+    def names(self) -> Mapping[str, Any]:
+        """The global names after Setup, given constants, and the definitions of all solution cells ran."""
+        found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}"}
+        definitions = [
+            statement.text
+            for cell in self._code
+            if cell.is_solution(self.asked)
+            for statement in statements_of(cell.source)
+            if isinstance(statement.node, (*DEFINITION, ast.Import, ast.ImportFrom))
+        ]
+        for text in (self.setup, *definitions):
+            exec(compile(text, str(self.folder / "notebook"), "exec"), found)
+        return found
+
+    @property
+    def setup(self) -> str:
+        """The Setup, and the constants and functions of given cells behind it that need no solution."""
+        return author_notebook.setup(self.cells, self.asked) + author_notebook.given_constants(
+            self.cells, self.asked
+        )
+
+    @functools.cached_property
+    def _code(self) -> list[Cell]:
+        return [cell for cell in self.cells if cell.kind == "code"]
+
+    def _statements(self, name: str) -> list[tuple[int, Statement]]:
+        """Return the statements of solution cells that bind a name, each with the number of its code cell."""
+        self.asked.add(name)
+        tagged = [(k, cell) for k, cell in enumerate(self._code, 1) if author_notebook.SOLUTION in cell.tags]
+        cells = tagged if any(name in cell.bound() for _, cell in tagged) else list(enumerate(self._code, 1))
+        return [
+            (k, statement)
+            for k, cell in cells
+            for statement in statements_of(cell.source)
+            if name in statement.names.bound
+        ]
+
+    def _solution(self, name: str, source: str, node: ast.AST | None) -> NotebookSolution:
+        return self._found.setdefault(name, NotebookSolution(self, name, source, node))
+
+
+def _text_of(statement: Statement) -> str:
+    return statement.text.strip("\n") + "\n"
+
+
+def _signature(node: ast.AST | None) -> inspect.Signature:
+    """Return the signature of a function, or of a class's ``__init__`` without self; defaults stand for
+    themselves.
+    """
+    skipped = 0
+    if isinstance(node, ast.ClassDef):
+        made = [n for n in node.body if isinstance(n, ast.FunctionDef) and n.name == "__init__"]
+        node, skipped = made[0] if made else None, 1
+    if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+        return inspect.Signature()
+    named = [*node.args.posonlyargs, *node.args.args]
+    without_default = len(named) - len(node.args.defaults)
+    parameters = [
+        inspect.Parameter(
+            a.arg,
+            inspect.Parameter.POSITIONAL_OR_KEYWORD,
+            default=inspect.Parameter.empty if k < without_default else ...,
+        )
+        for k, a in enumerate(named)
+    ]
+    return inspect.Signature(parameters[skipped:])

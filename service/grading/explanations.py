@@ -1,0 +1,273 @@
+"""What a scene's numbers show: which causes predict them, for the whole answer and for each component alone.
+
+A cause is a declared mistake, a reading of the numbers themselves (zeros, degrees, too few digits …), or a
+change of the right solution at one place. Two slips in two components are two causes.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.checks import Arrays
+from ecp.judge import Verdict
+from ecp.kinds import reproduces
+from ecp.kinds.values import agreement
+from ecp.outcome import Diagnosis
+from exercises.solution import Variant
+from service.grading.quoting import StudentCode
+
+MOST_COMPONENTS = 6  # of a returned array that are explained one by one
+SINGLE_PRECISION = 1e-5  # greatest relative error of values that are too few digits
+DIGITS = range(1, 11)
+
+
+class Rank(IntEnum):
+    """Which causes come first if several predict the numbers."""
+
+    DECLARED = 0
+    READ = 1
+    CHANGED = 2
+    MULTIPLE = 3
+    CHANGED_TWICE = 4
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A possible cause: codes and sentences of its diagnoses, two for a solution that is changed twice, and
+    for a version of the solution its ``variant``.
+    """
+
+    rank: Rank
+    codes: tuple[str, ...]
+    sentences: tuple[str, ...]
+    variant: Variant | None = None
+
+
+@dataclass(frozen=True)
+class Component:
+    """A part of an answer: a value by ``name``, or one number ``at`` of it. ``label`` names it for students,
+    "" if it is the whole answer.
+    """
+
+    name: str
+    at: int | None
+    label: str
+
+    def of(self, array: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return this component of all rows."""
+        return array if self.at is None else array[:, self.at]
+
+
+WHOLE = Component("", None, "")
+"""Stands for all values together."""
+
+
+def wrong_components(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Component]:
+    """Return the components of an answer that are not exact, none if it is not made of returned values."""
+    values = {value["name"]: value for value in question["returns"]}
+    if not all(name in seen and name in truth for name in values):
+        return []
+    return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth)]
+
+
+def causes(
+    question: Mapping[str, Any],
+    seen: Arrays,
+    truth: Arrays,
+    predicted: Mapping[Variant, Arrays],
+    wrong: Sequence[Component],
+) -> dict[Component, set[Cause]]:
+    """Return the causes that predict all values together, under WHOLE, and those of each ``wrong`` component.
+
+    ``predicted`` are the arrays of wrong versions of the right solution. A version that also calls its
+    functions as often as the submission comes before one that does not.
+    """
+    exact = {v for v, arrays in predicted.items() if reproduces(question, seen, arrays)}
+    if not exact:
+        exact = {v for v, arrays in predicted.items() if reproduces(question, seen, _without_calls(arrays))}
+    found = {WHOLE: {_of(variant) for variant in exact}}
+    values = {value["name"]: value for value in question["returns"]}
+    for component in wrong:
+        value = values[component.name]
+        alike = {
+            _of(variant)
+            for variant, arrays in predicted.items()
+            if component.name in arrays
+            and _agree(value, component, seen, arrays)
+            and not _agree(value, component, arrays, truth)
+        }
+        found[component] = alike | set(_readings(question, component, seen, truth))
+    if wrong and len(values) == 1:
+        (name,) = values
+        found[WHOLE] |= set(_readings(question, Component(name, None, ""), seen, truth))
+    return found
+
+
+def diagnoses(left: Mapping[Component, Collection[Cause]], student: StudentCode) -> list[Diagnosis]:
+    """Return the diagnoses of all values together, else those of their components, in words that fit the
+    student's code. Components with the same cause are named together.
+    """
+    if whole := _common(left.get(WHOLE, ()), student):
+        return [Diagnosis(code, sentence, 1.0) for code, sentence, _ in whole]
+    found: dict[Found, list[str]] = {}
+    for part, of in left.items():
+        for one in _common(of, student) if part != WHOLE else ():
+            found.setdefault(one, []).append(part.label)
+    return [
+        Diagnosis(code, f"{_joined(labels)}: {sentence}" if needs_place and labels[0] else sentence, 1.0)
+        for (code, sentence, needs_place), labels in found.items()
+    ]
+
+
+Found = tuple[str, str, bool]
+"""A code, its sentence, and whether the sentence has to name the component."""
+
+
+def _common(found: Collection[Cause], student: StudentCode) -> list[Found]:
+    """Return what the first causes of a component have in common, nothing if they disagree."""
+    first = [cause for cause in found if cause.rank is min(other.rank for other in found)]
+    if len({cause.codes for cause in first}) != 1:
+        return []
+    is_changed = first[0].rank in (Rank.CHANGED, Rank.CHANGED_TWICE)
+    made = list[Found]()
+    for k, code in enumerate(first[0].codes):
+        sentences = {cause.sentences[k] for cause in first}
+        sentence = student.sentence(code, sentences) if is_changed else _single(sentences)
+        if not code or sentence is None:
+            return []
+        made.append((code, sentence, is_changed))
+    return made
+
+
+def _single(sentences: Collection[str]) -> str | None:
+    return next(iter(sentences)) if len(sentences) == 1 else None
+
+
+def _joined(labels: Sequence[str]) -> str:
+    """Return "component 1 of v and component 2 of v" in short: "components 1 and 2 of v"."""
+    first, *others = labels
+    if not others:
+        return first
+    numbers = [label.removeprefix("component ").split(" ")[0] for label in labels]
+    behind = {
+        label.removeprefix("component ").removeprefix(number)
+        for label, number in zip(labels, numbers, strict=True)
+    }
+    if len(behind) == 1 and all(label.startswith("component ") for label in labels):
+        return f"components {', '.join(numbers[:-1])} and {numbers[-1]}{behind.pop()}"
+    return f"{', '.join(labels[:-1])} and {labels[-1]}"
+
+
+def components(question: Mapping[str, Any], seen: Arrays) -> list[Component]:
+    """Return the parts of an answer that are explained one by one: each value, each number of a short array.
+
+    What leaves something open, such as signs of columns, is one part.
+    """
+    found, several = [], len(question["returns"]) > 1
+    for value in question["returns"]:
+        name, shape = value["name"], np.shape(seen[value["name"]])[1:]
+        whole = f"the value {name}" if several else ""
+        if (
+            value.get("up_to")
+            or len(shape) != 1
+            or not 1 < shape[0] <= MOST_COMPONENTS
+            or value.get("complex")
+        ):
+            found.append(Component(name, None, whole))
+        else:
+            of = f" of {name}" if several else ""
+            found += [Component(name, k, f"component {k + 1}{of}") for k in range(shape[0])]
+    return found
+
+
+def _of(variant: Variant) -> Cause:
+    rank = Rank.DECLARED if variant.declared else Rank.CHANGED_TWICE if variant.both else Rank.CHANGED
+    changes = variant.both or (variant,)
+    return Cause(rank, tuple(c.code for c in changes), tuple(c.sentence for c in changes), variant)
+
+
+def _without_calls(arrays: Arrays) -> Arrays:
+    return {name: array for name, array in arrays.items() if name != "calls"}
+
+
+def _agree(value: Mapping[str, Any], component: Component, got: Arrays, want: Arrays) -> bool:
+    one, other = component.of(got[component.name]), component.of(want[component.name])
+    if one.shape != other.shape:
+        return False
+    scale = np.abs(want[component.name]).max() or 1.0
+    return agreement(value, one, other, scale).verdict is Verdict.PASS
+
+
+def _readings(
+    question: Mapping[str, Any], component: Component, seen: Arrays, truth: Arrays
+) -> Iterator[Cause]:
+    """Yield what the numbers of a component are, other than the exact ones."""
+    got, want = component.of(seen[component.name]), component.of(truth[component.name])
+    is_whole = not component.label
+    what = question["function"] if is_whole else f"{component.label} of {question['function']}"
+
+    def cause(code: str, sentence: str, rank: Rank = Rank.READ) -> Cause:
+        return Cause(rank, (code,), (sentence,))
+
+    value = {**next(v for v in question["returns"] if v["name"] == component.name), "up_to": None}
+    scale = np.abs(truth[component.name]).max() or 1.0
+
+    def is_(numbers: Any) -> bool:
+        same = np.shape(numbers) == got.shape
+        return same and agreement(value, got, np.asarray(numbers, float), scale).verdict is Verdict.PASS
+
+    if not np.any(got):
+        yield cause("returns-zero" if is_whole else "missing-component", f"{what} is zero for every input")
+        return
+    if is_(-want):
+        code, rank = ("sign-reversed", Rank.MULTIPLE) if is_whole else ("sign-flipped", Rank.READ)
+        yield cause(code, f"{what} has the opposite sign", rank)
+    elif factor := _factor(got, want):
+        yield cause("constant-factor", f"{what} is {factor:.6g} times the right value", Rank.MULTIPLE)
+    if is_(np.degrees(want)):
+        yield cause("units", f"{what} is in degrees: the exercise asks for radians")
+    if is_(np.radians(want)):
+        yield cause("units", f"{what} is converted from degrees to radians, which it was already")
+    for name in question["drawn"]:
+        given = _at(seen.get(f"at_{name}"), component.at)
+        if given is not None and is_(given):
+            yield cause("returns-input", f"{what} is the argument {name} itself")
+    if too_few := _too_few_digits(got, want):
+        yield cause("precision-loss", f"{what} {too_few}")
+
+
+def _at(given: NDArray[Any] | None, at: int | None) -> NDArray[Any] | None:
+    """Return the drawn numbers of an argument, or those at an index of it, None if it has none there."""
+    if given is None or given.dtype.kind not in "fiu":
+        return None
+    if at is None:
+        return given
+    return given[:, at] if given.ndim == 2 and at < given.shape[1] else None
+
+
+def _factor(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
+    """Return the constant by which all values, at least two different ones, are multiplied; 0.0 if there is
+    none.
+    """
+    large = np.abs(want) > 1e-3 * np.abs(want).max()
+    if np.ptp(want[large]) == 0:
+        return 0.0
+    factor = float(np.median(got[large] / want[large]))
+    return factor if np.allclose(got, factor * want, rtol=1e-9, atol=1e-9 * np.abs(want).max()) else 0.0
+
+
+def _too_few_digits(got: NDArray[np.float64], want: NDArray[np.float64]) -> str:
+    """Return how values were rounded: "is rounded to 3 decimals", or "" if they were not."""
+    for digits in DIGITS:
+        if np.array_equal(got, np.round(got, digits)) and np.allclose(
+            got, want, rtol=0, atol=0.6 * 10.0**-digits
+        ):
+            return f"is rounded to {digits} decimals"
+    near = np.allclose(got, want, rtol=SINGLE_PRECISION, atol=SINGLE_PRECISION * np.abs(want).max())
+    if near and np.array_equal(got, got.astype(np.float32)):
+        return "has the digits of single precision (float32)"
+    return ""

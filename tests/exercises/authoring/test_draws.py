@@ -1,0 +1,43 @@
+"""Draws: ranges, ends, arrays, and what belongs together."""
+
+import math
+
+import numpy as np
+import pytest
+
+from exercises.authoring import draws
+
+RNG = np.random.default_rng
+
+
+def test_both_ends_are_drawn_and_nothing_beyond():
+    drawn = [draws.with_ends(1.0, 3.0)(RNG(seed)) for seed in range(200)]
+    assert {1.0, 3.0} < set(drawn) and min(drawn) == 1.0 and max(drawn) == 3.0
+
+
+def test_an_array_has_its_shape_and_independent_numbers():
+    drawn = draws.array_of((2, 3), draws.between(0, 1))(RNG(1))
+    assert drawn.shape == (2, 3) and len(set(drawn.ravel())) == 6
+
+
+def test_an_angle_lies_within_one_turn():
+    drawn = [draws.angle(RNG(seed)) for seed in range(100)]
+    assert -math.pi <= min(drawn) < -2 and 2 < max(drawn) <= math.pi
+
+
+def test_a_joint_draw_gives_values_of_one_draw():
+    joint = draws.JointDraw(lambda draw: dict.fromkeys("ab", draw(draws.between(0, 1))))
+    values = joint(RNG(2))
+    assert joint["a"].of(values) == joint["b"].of(values)
+    assert joint.names == ("a", "b")
+
+
+def test_a_name_that_is_not_drawn_is_named():
+    joint = draws.JointDraw(lambda draw: {"a": 1.0})
+    with pytest.raises(LookupError, match=r"does not return b; it returns a"):
+        joint["b"](RNG(0))
+
+
+def test_a_joint_draw_must_return_a_dict():
+    with pytest.raises(TypeError, match="must return a dict"):
+        draws.JointDraw(lambda draw: 3)(RNG(0))

@@ -1,10 +1,12 @@
 """What is counted of failed logins, and for how long."""
 
+import time
 from contextlib import ExitStack
 
 import pytest
 from fastapi import Request
 
+from service.auth import passwords
 from service.auth.rate_limit import BY_ADDRESS, BY_NAME, LoginRateLimiter
 from service.http.errors import Problem
 from service.http.requests import network
@@ -47,6 +49,29 @@ def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
     with limiter.guard(ANN):
         pass
     assert not limiter._pending
+
+
+@pytest.mark.parametrize("hours", [1, -1])
+def test_a_clock_that_jumps_locks_nobody_out_for_an_hour(monkeypatch, hours):
+    limiter, clock = LoginRateLimiter(), time.time
+    assert [fail(limiter, ANN).status for _ in range(11)] == [401] * 10 + [429]
+    monkeypatch.setattr(time, "time", lambda: clock() + 3600 * hours)
+    assert [fail(limiter, ANN).status for _ in range(11)] == [401] * 10 + [429]
+    refused = fail(limiter, ANN)
+    assert refused.status == 429 and refused.retry_after <= 15 * 60
+
+
+def test_guesses_from_one_address_at_once_leave_others_a_place_to_log_in():
+    limiter, begun = LoginRateLimiter(), 0
+    with ExitStack() as stack:
+        for n in range(150):
+            try:
+                stack.enter_context(limiter.guard((BY_NAME, "name", str(n)), HERE))
+                begun += 1
+            except Problem as refused:
+                assert (refused.status, refused.retry_after) == (429, 1)
+        assert 0 < begun <= passwords.MOST_WAITING / 2
+        stack.enter_context(limiter.guard(ANN, (BY_ADDRESS, "address", "10.0.0.2")))
 
 
 @pytest.mark.parametrize(

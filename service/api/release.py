@@ -18,6 +18,7 @@ SCORES: dict[str, Any] = {
     "max_score": None,
     "total": None,
     "points": None,
+    "final": None,
     "penalty": 0,
     "overridden": False,
 }

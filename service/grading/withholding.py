@@ -20,15 +20,16 @@ def without_details(report: Report, assignment: Assignment | None) -> Report:
     public = {scene.name for scene in scenes if not callable(scene.inputs)}
     figures, animations = pictures(exercises, public)
     shown = {picture.name for picture in (*figures, *animations)}
+    kept = [replace(e, outcomes=[_without_hidden(o, public) for o in e.outcomes]) for e in report.exercises]
+    stated = {d.sentence for e in kept for o in e.outcomes for d in o.diagnosis}
     return replace(
         report,
-        exercises=[
-            replace(e, outcomes=[_without_hidden(o, public) for o in e.outcomes]) for e in report.exercises
-        ],
+        exercises=kept,
         provenance=replace(report.provenance, seed=0, chains={}),
         figures=[one for one in report.figures if one.name in shown],
         animations=[one for one in report.animations if one.name in shown],
         scene_ends=[end for end in report.scene_ends if end.scene in public],
+        suspect_lines=[line for line in report.suspect_lines if line.about in stated],
         stdout="",
         sweep=None,
     )

@@ -113,14 +113,20 @@ def diagnoses(left: Mapping[Component, Collection[Cause]], student: StudentCode)
     """
     if whole := _common(left.get(WHOLE, ()), student):
         return [Diagnosis(code, sentence, 1.0) for code, sentence, _ in whole]
-    found: dict[Found, list[str]] = {}
+    found: dict[Found, list[Component]] = {}
     for part, of in left.items():
         for one in _common(of, student) if part != WHOLE else ():
-            found.setdefault(one, []).append(part.label)
-    return [
-        Diagnosis(code, f"{_joined(labels)}: {sentence}" if needs_place and labels[0] else sentence, 1.0)
-        for (code, sentence, needs_place), labels in found.items()
-    ]
+            found.setdefault(one, []).append(part)
+    return [_diagnosis(one, parts) for one, parts in found.items()]
+
+
+def _diagnosis(found: "Found", parts: Sequence[Component]) -> Diagnosis:
+    """Return the diagnosis of these components."""
+    code, sentence, needs_place = found
+    labels = [part.label for part in parts]
+    text = f"{_joined(labels)}: {sentence}" if needs_place and labels[0] else sentence
+    is_one_of_one_value = len(parts) == 1 and " of " not in labels[0]
+    return Diagnosis(code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
 
 
 Found = tuple[str, str, bool]

@@ -4,9 +4,12 @@ A sentence quotes only what the student's function contains. Otherwise it says w
 the terms and names of the solution.
 """
 
-import ast
+import io
 import re
+import tokenize
 from collections.abc import Collection, Iterable
+
+from ecp.student_line import tokens_of
 
 QUOTED = re.compile(r"`([^`]*)`")
 IN_GENERAL = {
@@ -34,34 +37,18 @@ IN_GENERAL = {
 
 
 class StudentCode:
-    """The expressions and names of a student's ``function``, or of all sources if none defines it."""
+    """The tokens of a student's ``function`` in ``sources``, which may be hostile and are not parsed."""
 
     def __init__(self, sources: Iterable[str], function: str) -> None:
-        trees = [tree for source in sources if (tree := _parsed(source)) is not None]
-        own = [
-            node
-            for tree in trees
-            for node in ast.walk(tree)
-            if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == function
-        ]
-        nodes = [node for root in (own[-1:] or trees) for node in ast.walk(root)]
-        self._expressions = {ast.dump(node) for node in nodes if isinstance(node, ast.expr)}
-        self._names = {node.id for node in nodes if isinstance(node, ast.Name)}
-        self._names |= {node.arg for node in nodes if isinstance(node, ast.arg)}
+        self._tokens = tokens_of(sources, function)
 
     def has(self, fragment: str) -> bool:
-        """Return whether the function contains an expression, or a fragment without any name."""
-        tree = _parsed(fragment)
-        if tree is None:
-            return not re.search(r"[^\W\d_]", fragment)
-        match tree.body:
-            case [ast.Expr(value=ast.Name(id=name))]:
-                return name in self._names
-            case [ast.Expr(value=ast.Constant())]:
-                return True
-            case [ast.Expr(value=value)]:
-                return ast.dump(value) in self._expressions
-        return False
+        """Return whether the function contains a fragment of source, or the fragment has no name in it."""
+        tokens = _tokens(fragment)
+        if not any(token.isidentifier() for token in tokens):
+            return True
+        starts = range(len(self._tokens) - len(tokens) + 1)
+        return any(self._tokens[k : k + len(tokens)] == tokens for k in starts)
 
     def sentence(self, code: str, sentences: Collection[str]) -> str | None:
         """Return the sentence of causes of one code if the function contains all that it quotes.
@@ -74,8 +61,9 @@ class StudentCode:
         return IN_GENERAL.get(code)
 
 
-def _parsed(text: str) -> ast.Module | None:
+def _tokens(fragment: str) -> list[str]:
     try:
-        return ast.parse(text)
-    except (SyntaxError, ValueError):
-        return None
+        found = list(tokenize.generate_tokens(io.StringIO(fragment).readline))
+    except (tokenize.TokenError, SyntaxError):
+        return fragment.split()
+    return [token.string for token in found if token.string.strip()]

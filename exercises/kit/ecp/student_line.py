@@ -107,6 +107,17 @@ def of_component(
     return None
 
 
+def tokens_of(sources: Iterable[str], function: str) -> list[str]:
+    """Return the texts of the tokens of the last definition of a function or class, none if there is none."""
+    defined = re.compile(rf"^[ \t]*(?:async[ \t]+)?(?:def|class)[ \t]+{re.escape(function)}\b", re.MULTILINE)
+    for written in reversed(list(sources)):
+        source = BREAK.sub("\n", written)
+        if found := list(defined.finditer(source)):
+            statements = _statements(source[found[-1].start() :])
+            return [token.string for statement in statements for token in statement]
+    return []
+
+
 def _statements(source: str) -> list[list[Token]]:
     """Return the statements of the definition with which ``source`` begins, each as its tokens."""
     found: list[list[Token]] = [[]]

@@ -41,7 +41,7 @@ COMMANDS = {
     ),
     "grade": Command("grade", help="grade .py and .ipynb files on this machine, without server or database"),
     "verify": Command(
-        "verify", help="grade the samples of assignments and compare with their expected reports"
+        "verify.command", help="grade the samples of assignments and compare with their expected reports"
     ),
     "new-assignment": Command("scaffolding", help="create an assignment of two working exercises to edit"),
     "import-notebook": Command(

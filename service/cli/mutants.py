@@ -68,17 +68,21 @@ def _mutants(arguments: argparse.Namespace) -> int:
     }
     for result in results:
         if result.misjudged or not result.wrong:
-            print(f"{kinds[result.wrong, result.misjudged]}: {result.mutant.code}, {result.mutant.sentence}")
+            what = f"{result.mutant.code}, {result.mutant.sentence}"
+            print(f"{kinds[result.wrong, result.misjudged]}: {result.of}: {what}")
     return 1 if any(result.misjudged for result in results) else 0
 
 
 @dataclass(frozen=True)
 class MutantResult:
-    """The grading of one mutant. ``wrong``: it differs from the solution by more than rounding; ``accepted``:
-    all checks are ✓; ``measured``: it returns numbers.
+    """The grading of one mutant ``of`` a function and its exercise.
+
+    ``wrong``: it differs from the solution by more than rounding; ``accepted``: all checks are ✓;
+    ``measured``: it returns numbers.
     """
 
     mutant: Variant
+    of: str
     wrong: bool
     accepted: bool
     measured: bool = True
@@ -130,7 +134,8 @@ def _of_samples(
         results = grade_files(requests, GradeOptions(assignment, SEED), isolation)
         right = {function: _outcomes(next(results)) for function in sources}
         for (function, variant), result in zip(versions, results, strict=True):
-            yield _judged(variant, _outcomes(result), right[function])
+            of = f"{function}, exercise {' and '.join(_calling(assignment, function))}"
+            yield _judged(variant, of, _outcomes(result), right[function])
 
 
 def _calling(assignment: Assignment, function: str) -> tuple[str, ...]:
@@ -159,7 +164,9 @@ def _outcomes(graded: GradedFile) -> dict[str, Outcome]:
 
 
 def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:
-    for id in [question["id"] for questions in assignment.questions.values() for question in questions]:
+    asked = [(number, q) for number, questions in assignment.questions.items() for q in questions]
+    for number, question in asked:
+        id, of = question["id"], f"{question['function']}, exercise {number}"
         right, *variants = [
             one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared
         ]
@@ -178,10 +185,12 @@ def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult
                     check.id: check.judge([{**arrays, **known}], [exact]) for check in checks
                 }
         for variant in variants:
-            yield _judged(variant, outcomes[variant], outcomes[right])
+            yield _judged(variant, of, outcomes[variant], outcomes[right])
 
 
-def _judged(mutant: Variant, outcomes: Mapping[str, Outcome], right: Mapping[str, Outcome]) -> MutantResult:
+def _judged(
+    mutant: Variant, of: str, outcomes: Mapping[str, Outcome], right: Mapping[str, Outcome]
+) -> MutantResult:
     def is_right(outcome: Outcome) -> bool:
         deviation = abs((outcome.measured or 0.0) - (outcome.expected or 0.0))
         solution = abs((right[outcome.id].measured or 0.0) - (outcome.expected or 0.0))
@@ -190,7 +199,7 @@ def _judged(mutant: Variant, outcomes: Mapping[str, Outcome], right: Mapping[str
     accepted = outcomes.keys() == right.keys() and all(o.verdict is Verdict.PASS for o in outcomes.values())
     failed = any(o.verdict is Verdict.FAIL for o in outcomes.values())
     equal = accepted and all(map(is_right, outcomes.values()))
-    return MutantResult(mutant, not equal, accepted, accepted or failed)
+    return MutantResult(mutant, of, not equal, accepted, accepted or failed)
 
 
 def kill_rate(found: Sequence[MutantResult]) -> str:

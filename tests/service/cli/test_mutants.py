@@ -38,9 +38,9 @@ def test_the_command_says_what_is_missing(arguments, reason, capsys):
 def test_table():
     one, two = Variant("kind a", "x", ""), Variant("kind b", "y", "")
     found = [
-        MutantResult(one, wrong=True, accepted=True),
-        MutantResult(one, wrong=False, accepted=True),
-        MutantResult(two, wrong=True, accepted=False),
+        MutantResult(one, "f", wrong=True, accepted=True),
+        MutantResult(one, "f", wrong=False, accepted=True),
+        MutantResult(two, "f", wrong=True, accepted=False),
     ]
     assert table(found).split("\n") == [
         "| changed functions | made | turned out correct | wrong, but accepted |",
@@ -77,8 +77,8 @@ def test_the_variants_of_a_declaration(tmp_path, capsys):
     with known(folder):
         assert main(["mutants", "doubling"]) == 1
     lines = capsys.readouterr().out.splitlines()
-    assert "turned out correct: wrong-function, `abs` is missing in `abs(2 * x)`" in lines
-    assert "WRONG, BUT ACCEPTED: constant-factor, `x` is halved in `y - x`" in lines
+    assert "turned out correct: double, exercise 1: wrong-function, `abs` is missing in `abs(2 * x)`" in lines
+    assert "WRONG, BUT ACCEPTED: double, exercise 1: constant-factor, `x` is halved in `y - x`" in lines
     assert any(
         re.fullmatch(r"(\d+) of \d+ wrong functions that return numbers fail a check \(\d\d\.\d %\)", line)
         for line in lines
@@ -88,8 +88,9 @@ def test_the_variants_of_a_declaration(tmp_path, capsys):
 def test_the_rate_counts_wrong_functions_that_return_numbers():
     one = Variant("a", "x", "")
     rejected, right, accepted = (
-        MutantResult(one, wrong, accepted) for wrong, accepted in ((True, False), (False, True), (True, True))
+        MutantResult(one, "f", wrong, accepted)
+        for wrong, accepted in ((True, False), (False, True), (True, True))
     )
-    no_numbers = MutantResult(one, wrong=True, accepted=False, measured=False)
+    no_numbers = MutantResult(one, "f", wrong=True, accepted=False, measured=False)
     found = [rejected, rejected, right, accepted, no_numbers]
     assert kill_rate(found) == "2 of 3 wrong functions that return numbers fail a check (66.7 %)"

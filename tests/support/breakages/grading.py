@@ -77,11 +77,11 @@ GRADING = [
     ),
     Breakage(
         "the notebook of verify lacks what a solution's cell sets besides",
-        "service/cli/verify_notebook.py",
+        "service/cli/verify/published_notebook.py",
         'if own\n                else [("", True)]',
         'if not own\n                else [("", True)]',
         (
-            "tests/service/cli/test_verify_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",
+            "tests/service/cli/verify/test_published_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",
         ),
     ),
     Breakage(
@@ -89,7 +89,7 @@ GRADING = [
         "exercises/mistakes.py",
         "if solved := tuple(number for number in numbers if number not in absent):",
         "if solved := ():",
-        ("tests/service/cli/test_verify_made.py",),
+        ("tests/service/cli/verify/test_made_samples.py",),
     ),
     Breakage(
         "polhode grade does not use the guest that it has started first",

@@ -112,11 +112,11 @@ KIT = [
     ),
     Breakage(
         "verify --write records a time-out as the expectation",
-        "service/cli/verification.py",
+        "service/cli/verify/comparison.py",
         "\n        or _timed_out(graded.report)\n",
         "\n",
         (
-            "tests/service/cli/test_verify.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",
+            "tests/service/cli/verify/test_command.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",
         ),
     ),
     Breakage(

@@ -17,8 +17,8 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.mistakes import UNSEEN, MadeSample
 from service.cli.progress import Progress
-from service.cli.verification import Tally, cpu_warning
-from service.cli.verify_notebook import notebook_differences
+from service.cli.verify.comparison import Tally, cpu_warning
+from service.cli.verify.published_notebook import notebook_differences
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.result import GradedFile
 from service.sandbox.isolation import Isolation

@@ -4,9 +4,9 @@ mistakes and checks.
 
 import pytest
 
-from service.cli import verify_made
 from service.cli.__main__ import main
-from service.cli.verify import _select
+from service.cli.verify import made_samples
+from service.cli.verify.command import _select
 from tests.support.assignments import change, known
 from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, write
 
@@ -93,13 +93,13 @@ def test_the_authors_notebook_is_graded_and_its_solution_cells_may_set_other_nam
     tmp_path, capsys, warm_guest, monkeypatch
 ):
     folder = write(tmp_path, FULL)
-    monkeypatch.setattr(verify_made, "SLOW_S", 0.0)
+    monkeypatch.setattr(made_samples, "SLOW_S", 0.0)
     exit_code, lines = verify(folder, capsys)
     assert exit_code == 0 and lines[:4] == [
         "✓  right_all.py",
         "✓  fall.ipynb",
         "✓  wrong_1_1_no_code.py",
-        "falling: 6 of 6 samples as expected on 2 seeds, 4 checks",
+        "falling: 3 of 3 samples as expected on 2 seeds, 4 checks",
     ]
     warning, slow = lines[4:]
     assert (
@@ -165,3 +165,10 @@ def test_a_pattern_that_no_sample_matches(tmp_path, capsys, warm_guest):
     with known(write(tmp_path, FULL)):
         assert main(["verify", "falling", "--only", "wrong_9*"]) == 2
     assert capsys.readouterr().err == "polhode: falling: no sample to grade\n"
+
+
+def test_the_source_of_a_sample_is_printed_on_request(tmp_path, capsys):
+    folder = write(tmp_path, FULL)
+    exit_code, lines = verify(folder, capsys, "--source", "right_all.py")
+    assert exit_code == 0 and any(line.startswith("def speed") for line in lines)
+    assert verify(folder, capsys, "--source", "nothing.py") == (2, [])

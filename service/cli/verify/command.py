@@ -5,6 +5,7 @@ assignment is broken.
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,11 +16,11 @@ from exercises import catalogue, validation
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import find, load_catalogue
 from exercises.samples import SampleSet, load_samples, with_entries
-from service.cli import verification
 from service.cli.arguments import count, seed
 from service.cli.output_dir import write
 from service.cli.progress import Progress
-from service.cli.verify_made import verify_made
+from service.cli.verify import comparison
+from service.cli.verify.made_samples import verify_made
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.sandbox.isolation import Isolation
 from service.sandbox.select import choose
@@ -43,7 +44,7 @@ def add_verify(parser: argparse.ArgumentParser) -> None:
         "--jobs",
         type=count,
         metavar="N",
-        help="grade at most N samples at a time; default: one per processor",
+        help="grade at most N samples at a time; default: one per processor that is idle",
     )
     parser.add_argument("--seed", type=seed, default=SEED, help=f"seed of the hidden scenes (default {SEED})")
     parser.add_argument(
@@ -55,6 +56,7 @@ def add_verify(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--write", action="store_true", help="add an entry to expected.toml for each sample that has none"
     )
+    parser.add_argument("--source", metavar="NAME", help="print the source of a sample, and grade nothing")
     parser.set_defaults(run=_verify)
 
 
@@ -74,9 +76,12 @@ def _verify(arguments: argparse.Namespace) -> int:
         ]
     for sentence in invalid:
         print(f"polhode: {sentence}", file=sys.stderr)
+    if arguments.source:
+        return _print_source([assignment for assignment, _ in sets], arguments.source)
+    jobs = arguments.jobs or idle_processors()
     codes = [2 if invalid or not sets else 0]
     for assignment, found in sets:
-        if wrong := verification.declaration_errors(assignment, arguments.seed):
+        if wrong := comparison.declaration_errors(assignment, arguments.seed):
             print(
                 *(f"polhode: assignment {assignment.slug}: {error}" for error in wrong),
                 sep="\n",
@@ -90,13 +95,31 @@ def _verify(arguments: argparse.Namespace) -> int:
             seeds = range(arguments.seed, arguments.seed + arguments.seeds)
             if made or not own:
                 codes.append(
-                    verify_made(
-                        assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only
-                    )
+                    verify_made(assignment, made, seeds, isolation.result(), jobs, whole=not arguments.only)
                 )
         if own:
-            codes.append(_verify_one(assignment, found, arguments, isolation.result()))
+            codes.append(_verify_one(assignment, found, arguments, isolation.result(), jobs))
     return max(codes)
+
+
+def idle_processors() -> int:
+    """Return how many processors are idle, at least one: gradings beside other work end as "too busy"."""
+    return max(1, len(os.sched_getaffinity(0)) - round(os.getloadavg()[0]))
+
+
+def _print_source(assignments: Sequence[Assignment], name: str) -> int:
+    """Print the source of the sample ``name``. Returns the exit code."""
+    for assignment in assignments:
+        for sample in assignment.made_samples():
+            if sample.name == name:
+                print(sample.source)
+                return 0
+        file = assignment.folder / "samples" / name
+        if Path(name).name == name and file.is_file():
+            print(file.read_text(encoding="utf-8"))
+            return 0
+    print(f"polhode: there is no sample {name}; polhode verify lists their names", file=sys.stderr)
+    return 2
 
 
 def _select(names: Sequence[str]) -> tuple[list[Assignment], list[str]]:
@@ -142,7 +165,7 @@ def _slugs(name: str) -> list[str]:
 
 
 def _verify_one(
-    assignment: Assignment, found: SampleSet, arguments: argparse.Namespace, isolation: Isolation
+    assignment: Assignment, found: SampleSet, arguments: argparse.Namespace, isolation: Isolation, jobs: int
 ) -> int:
     listed = [s for s in found.samples if _is_selected(s.file.name, arguments.only)]
     unlisted = [file for file in found.unlisted if _is_selected(file.name, arguments.only)]
@@ -155,10 +178,10 @@ def _verify_one(
             file=sys.stderr,
         )
         return 2
-    tally, entries, known = verification.Tally(), [], {s.file: s for s in listed}
+    tally, entries, known = comparison.Tally(), [], {s.file: s for s in listed}
     with Progress(len(asks), "as expected") as progress:
         for graded in grade_files(
-            asks, GradeOptions(assignment, arguments.seed), isolation, arguments.jobs, progress.update
+            asks, GradeOptions(assignment, arguments.seed), isolation, jobs, progress.update
         ):
             if graded.fault:
                 tally.faults += 1
@@ -167,16 +190,16 @@ def _verify_one(
                 )
                 continue
             sample = known.get(graded.file)
-            new = verification.new_entry(assignment, graded) if arguments.write and sample is None else None
+            new = comparison.new_entry(assignment, graded) if arguments.write and sample is None else None
             entries += [new] if new else []
-            wrong = list(verification.differences(sample, graded)) if sample else []
-            wrong += [] if sample or new else verification.missing_entry(assignment, graded)
+            wrong = list(comparison.differences(sample, graded)) if sample else []
+            wrong += [] if sample or new else comparison.missing_entry(assignment, graded)
             tally.add(graded, expected=not wrong)
             head = f"{'✗' if wrong else '✓'}  {graded.file.name}{'   (entry written)' if new else ''}"
             progress.print("\n     ".join([head, *wrong]), good=not wrong)
     if entries:
         write(assignment.folder / "samples" / "expected.toml", with_entries(assignment, entries))
-    for line in verification.summary(assignment, found, tally, whole=not arguments.only and not tally.faults):
+    for line in comparison.summary(assignment, found, tally, whole=not arguments.only and not tally.faults):
         print(line)
     return 2 if tally.faults else 1 if tally.unexpected or found.missing else 0
 

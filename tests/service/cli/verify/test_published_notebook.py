@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from service.cli.verify_notebook import notebook_differences
+from service.cli.verify.published_notebook import notebook_differences
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

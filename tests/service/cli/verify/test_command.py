@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from service.cli import verification
 from service.cli.__main__ import main
+from service.cli.verify import comparison
 from service.grading.result import GradedFile
 from tests.support.assignments import change, copied, known
 from tests.support.reports import SLOW, outcome, report
@@ -145,8 +145,8 @@ def test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it(rigid_bod
     wrong = report([outcome("1-box", "fail"), outcome("1-notebook", "unmeasured", cause=SLOW.sentence)])
     timed_out = replace(wrong, scene_ends=[SLOW])
     graded, late = (GradedFile(file=Path("wrong_x.py"), report=one) for one in (wrong, timed_out))
-    assert verification.new_entry(rigid_body, graded) and verification.new_entry(rigid_body, late) is None
-    (sentence,) = verification.missing_entry(rigid_body, late)
+    assert comparison.new_entry(rigid_body, graded) and comparison.new_entry(rigid_body, late) is None
+    (sentence,) = comparison.missing_entry(rigid_body, late)
     assert "none was added: motion did not finish in time, and a busy machine can cause that" in sentence
 
 
@@ -176,7 +176,7 @@ def test_a_right_sample_that_needs_much_time_is_a_warning(folder, capsys, monkey
             (folder / "samples" / name).unlink()
     expected = folder / "samples" / "expected.toml"
     expected.write_text("\n\n".join(e for e in expected.read_text().split("\n\n") if "right_terms" in e))
-    monkeypatch.setattr(verification, "CPU_FACTOR", 1e4)
+    monkeypatch.setattr(comparison, "CPU_FACTOR", 1e4)
     assert verify(folder) == 0
     last = capsys.readouterr().out.splitlines()[-1]
     assert last.startswith("warning: grading a right sample used 0.") and "declare cpu_s=" in last

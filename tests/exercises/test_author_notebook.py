@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.author_notebook import Cell, errors, read, setup
+from exercises.author_notebook import Cell, errors, given_constants, read, setup
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import change, known
@@ -143,3 +143,20 @@ def test_a_function_of_the_notebook_has_the_parameters_of_the_solution():
     (error,) = errors([cell], ["step"], {"step": ["f", "t", "y"]})
     assert error == "code cell 1 defines step(f, y, t, h), but assignment.py has step(f, t, y)"
     assert list(errors([cell], ["step"], {"step": ["f", "y", "t"]})) == []
+
+
+def test_constants_of_given_cells_behind_the_setup_need_no_solution():
+    cells = [
+        Cell("markdown", "## Setup"),
+        Cell("code", "import numpy as np"),
+        Cell("markdown", "## Exercise 1"),
+        Cell("code", "def speed(t): return 9.81 * t", tags=("solution",)),
+        Cell("code", "g = 9.81\nt = np.linspace(0, 1, 5)\nfast = speed(t)\nfaster = fast + g\nprint(g)"),
+        Cell("code", "for k in range(3):\n    g += k\nend = int(3)\ndef double(x):\n    return 2 * x"),
+    ]
+    given = given_constants(cells, {"speed"})
+    assert given.split("\n\n") == [
+        "\ng = 9.81\n".rstrip("\n"),
+        "t = np.linspace(0, 1, 5)",
+        "def double(x):\n    return 2 * x\n",
+    ]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from exercises.mutation import CODES, variants
+from exercises.mutation import CODES, pairs, variants
 
 CHANGES = {
     "-w**2*x - 2*g*v": [
@@ -348,3 +348,35 @@ def test_nearly_all_variants_return_wrong_numbers_and_nine_in_ten_their_own():
     )
     alone = sum(len(group) == 1 for _, _, groups in results for group in groups)
     assert wrong >= 300 and equal <= 0.03 * wrong and alone >= 0.9 * wrong
+
+
+STEP = "def step(x, v, h):\n    return x + h * v, v - h * x\n"
+
+
+def sources_of(code):
+    return [variant.source for variant in variants(STEP) if variant.code == code]
+
+
+def test_a_value_that_is_replaced_before_the_other_is_computed_from_it():
+    assert "def step(x, v, h):\n    x = x + h * v\n    v = v - h * x\n    return x, v\n" in sources_of(
+        "wrong-variable"
+    )
+    assert "def step(x, v, h):\n    v = v - h * x\n    x = x + h * v\n    return x, v\n" in sources_of(
+        "wrong-variable"
+    )
+
+
+def test_a_constant_in_place_of_an_argument():
+    assert "def step(x, v, h):\n    h = 1\n    return x + h * v, v - h * x\n" in sources_of("wrong-constant")
+
+
+def answer(source):
+    names = {}
+    exec(source, names)
+    return names["step"](2.0, 3.0, 0.5)
+
+
+def test_two_changes_are_none_of_the_single_ones():
+    single, double = {v.source for v in variants(STEP)}, pairs(STEP)
+    assert (2.0 - 0.5 * 3.0, 3.0 + 0.5 * 2.0) in [answer(v.source) for v in double]
+    assert not single & {v.source for v in double} and all(len(v.both) == 2 for v in double)

@@ -172,3 +172,16 @@ def test_the_source_of_a_sample_is_printed_on_request(tmp_path, capsys):
     exit_code, lines = verify(folder, capsys, "--source", "right_all.py")
     assert exit_code == 0 and any(line.startswith("def speed") for line in lines)
     assert verify(folder, capsys, "--source", "nothing.py") == (2, [])
+
+
+@pytest.mark.parametrize("truth", ["exact(a, b) / 0", "[[1.0]]"])
+def test_a_truth_that_fails_is_one_sentence_with_its_line(tmp_path, capsys, truth):
+    folder = tmp_path / "modes"
+    folder.mkdir()
+    text = MODES.replace("truth=exact", f"truth=lambda a, b: {truth}")
+    (folder / "assignment.py").write_text(text)
+    with known(folder):
+        assert main(["verify", str(folder)]) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and len(told.err.splitlines()) == 1
+    assert told.err.startswith("polhode: assignment modes: assignment.py line ")

@@ -8,6 +8,7 @@ measured ones.
 """
 
 import argparse
+import io
 import json
 import sys
 from bisect import bisect_left
@@ -308,11 +309,10 @@ def draw_costs(
     """Draw the ``costs`` of the ``deadlines``, one for each of KINDS, against the class size, log-log, as
     SVG.
     """
+    import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator
-
-    from service.grading.chart_drawing import svg
 
     canvas = Figure(figsize=(9, 5))
     FigureCanvasAgg(canvas)
@@ -356,7 +356,11 @@ def draw_costs(
     axes.minorticks_off()
     axes.margins(y=0.1)
     axes.grid(alpha=0.3)
-    return svg(canvas, "Cost per submission against class size")
+    stream = io.BytesIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
+        title = "Cost per submission against class size"
+        canvas.savefig(stream, format="svg", metadata={"Title": title, "Date": None})
+    return stream.getvalue()
 
 
 if __name__ == "__main__":

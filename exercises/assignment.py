@@ -83,12 +83,20 @@ class Scene:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A chart of speed against accuracy of the student's function, played on request. ``read(seen, truth)``
-    returns the result.
+    """A chart of speed against accuracy of the student's function, played while a worker is idle.
+    ``read(seen, truth)`` returns the result.
+
+    ``tolerance`` is that of the check of this motion, ``sensitivity`` returns the motion's κ, and ``exact``
+    computes it in closed form at the exercise's own samples. ``solution`` is the file of the right solution
+    that is measured beside; by default it is a right submission of the assignment.
     """
 
     scene: Scene
     read: Callable[[Arrays, Arrays], SweepResult]
+    tolerance: float | None = None
+    sensitivity: Callable[[], float] | None = None
+    exact: Callable[[], object] | None = None
+    solution: Path | None = None
 
 
 class PublishedCell(NamedTuple):

@@ -3,7 +3,10 @@ of steppers.
 """
 
 import math
-from collections.abc import Sequence
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,28 +14,31 @@ from numpy.typing import NDArray
 
 from ecp.checks import Arrays
 from ecp.outcome import SweepResult, SweptPoint
+from exercises.assignment import Sweep
 
-SOLVERS = ("DOP853", "RK45", "LSODA")
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
-SETTINGS = [(solver, rtol) for solver in SOLVERS for rtol in TOLERANCES]
+# RK45 would take tens of thousands of calls for the finest two.
+FINEST = {"DOP853": 6, "RK45": 4, "LSODA": 6}
+SETTINGS = [(solver, rtol) for solver, count in FINEST.items() for rtol in TOLERANCES[:count]]
 MOST_S = 80.0  # the longest that the sandbox plays a scene of this budget
 BUDGET_S = 20.0
 NOTEBOOKS = ("DOP853", 1e-11)
 ENOUGH = 1e-8
+SINGLE = 2.0**-23
+REPEATED = 3
 ENOUGH_OF_STEPPERS = 1e-3
 MOST_CALLS = 10**8  # of a run of a stepper
 
 
 def result(scene: str, function: str, seen: Arrays, errors: Sequence[Any], most_calls: int) -> SweepResult:
-    """Return the points of every setting and a summary line: the error at NOTEBOOKS, the cost of a call, the
-    cheapest to ENOUGH.
+    """Return the points of every setting and the seconds of a call; ``compared`` adds the text.
 
-    ``seen`` holds ``calls`` and ``seconds`` of every setting and ``per_call``, the seconds of one call. An
-    error that is not finite is a run that diverged. Raises ValueError for calls and seconds that no run can
-    have.
+    ``seen`` holds ``calls`` and ``seconds`` of every setting and ``per_call``, the seconds of one call. A run
+    of ``most_calls`` was stopped; an error that is not finite is of a run that diverged or was stopped.
+    Raises ValueError for calls and seconds that no run can have.
     """
-    calls, seconds = seen["calls"], np.append(seen["seconds"], seen["per_call"])
-    _require_possible(calls, seconds, most_calls)
+    calls, seconds, per_call = seen["calls"], seen["seconds"], float(seen["per_call"])
+    _require_possible(calls, np.append(seconds, per_call), most_calls)
     points = [
         SweptPoint(
             method=solver,
@@ -40,10 +46,87 @@ def result(scene: str, function: str, seen: Arrays, errors: Sequence[Any], most_
             calls=int(calls[k]),
             error=float(errors[k]) if math.isfinite(errors[k]) else None,
             seconds=float(seconds[k]),
+            stopped=bool(calls[k] == most_calls),
         )
         for k, (solver, rtol) in enumerate(SETTINGS)
     ]
-    return SweepResult(scene=scene, points=points, line=_line(points, float(seconds[-1]), function))
+    return SweepResult(scene=scene, points=points, line="", per_call=[per_call])
+
+
+def compared(mine: SweepResult, right: SweepResult | None, sweep: Sweep, function: str) -> SweepResult:
+    """Return ``mine`` beside the right solution's result, with the lines of the chart and the text below it:
+    what a call costs, where the time goes, and which solver would do.
+    """
+    kappa = sweep.sensitivity() if sweep.sensitivity else None
+    if mine.per_call:
+        sentences = _of_solvers(mine, right, sweep.tolerance or ENOUGH, kappa, function)
+    else:
+        sentences = [mine.line, *([f"the solution: {right.line}"] if right else [])]
+    return replace(
+        mine,
+        line="; ".join(sentences),
+        reference=right.points if right else [],
+        per_call=[*mine.per_call, *(right.per_call if right else [])],
+        tolerance=sweep.tolerance,
+        sensitivity=kappa,
+        closed_form=_seconds(sweep.exact) if sweep.exact else None,
+    )
+
+
+def _of_solvers(
+    mine: SweepResult, right: SweepResult | None, target: float, kappa: float | None, function: str
+) -> list[str]:
+    """Return what a call costs, where the notebook's run spends its time, and which run reaches the error
+    ``target`` in the least time, or why none does.
+    """
+    per_call, stopped = mine.per_call[0], [p for p in mine.points if p.stopped]
+    cost = f"one call of {function} takes {_us(per_call)}"
+    if right:
+        ratio = per_call / max(right.per_call[0], 1e-9)
+        cost += f", of the solution {_us(right.per_call[0])} (×{ratio:.2g})"
+    noise = f"crosses: {len(stopped)} of {len(mine.points)} runs were stopped at rounding noise"
+    arrived = [p for p in mine.points if p.error is not None]
+    enough = [p for p in arrived if p.error is not None and p.error <= target]
+    if not enough:
+        least = min((p.error for p in arrived if p.error is not None), default=math.inf)
+        why = f"check {function} first"
+        if stopped and kappa and least < 10 * kappa * SINGLE:
+            why = (
+                "this is what single precision does, in which rounding moves the motion by up to κ·2⁻²³ ="
+                f" {kappa * SINGLE:.1g}: let {function} compute and return float64"
+            )
+        missed = f"no run gets below an error of {least:.1g}, and {target:g} is allowed: {why}"
+        return [missed, cost, *([noise] if stopped else [])]
+    own = next(p for p in mine.points if (p.method, p.rtol) == NOTEBOOKS)
+    share = min(own.calls * per_call, own.seconds)
+    spent = f"{own.method} at rtol {own.rtol:g} makes {own.calls} calls in {_ms(own.seconds)}"
+    faster = "a faster function helps most"
+    fewer = "fewer calls help, a faster function does not"
+    helps = f"{_ms(share)} of it in {function}: {faster if share > own.seconds / 2 else fewer}"
+    best = min(enough, key=lambda p: p.seconds)
+    would = (
+        f"{best.method} at rtol {best.rtol:g} would do: it has an error of {best.error:.1g}, within the"
+        f" tolerance of {target:g}, in {_ms(best.seconds)}"
+    )
+    return [cost, f"{spent}, {helps}", would, *([noise] if stopped else [])]
+
+
+def _seconds(run: Callable[[], object]) -> float:
+    """Return the median CPU seconds of REPEATED warm runs."""
+    taken = []
+    for _ in range(REPEATED + 1):
+        began = time.process_time()
+        run()
+        taken.append(time.process_time() - began)
+    return statistics.median(taken[1:])
+
+
+def _ms(seconds: float) -> str:
+    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
+
+
+def _us(seconds: float) -> str:
+    return f"{seconds * 1e6:.2g} µs"
 
 
 def result_of_steppers(
@@ -93,18 +176,3 @@ def _require_possible(calls: NDArray[np.float64], seconds: NDArray[np.float64], 
         raise ValueError(f"a number of calls is not a whole number from 1 to {most_calls}")
     if not np.all((seconds >= 0) & (seconds <= MOST_S)):
         raise ValueError(f"a time is not between 0 and {MOST_S:g} s")
-
-
-def _line(points: list[SweptPoint], per_call: float, function: str) -> str:
-    own = next(p for p in points if (p.method, p.rtol) == NOTEBOOKS)
-    reached = "diverges" if own.error is None else f"reaches {own.error:.1e}"
-    summary = (
-        f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls}"
-        " calls"
-    )
-    enough = [p for p in points if p.error is not None and p.error <= ENOUGH]
-    if not enough:
-        return f"{summary}; no solver reaches an error of {ENOUGH:g}: check {function}"
-    best = min(enough, key=lambda p: p.calls)
-    cheapest = f"{best.method} at rtol {best.rtol:g} ({best.calls} calls)"
-    return f"{summary}; the solver that reaches {ENOUGH:g} with the fewest calls is {cheapest}"

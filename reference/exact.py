@@ -7,6 +7,7 @@ There are five models; each motion uses the simplest that is exact: **steady** (
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ CHUNK = 1024  # samples per block: larger temporaries would be newly allocated p
 
 BEGINNING = np.zeros(1)
 
-SERIES: dict[str, type[theta.Series]] = {
+SERIES: dict[str, Callable[[Polhode], theta.Series]] = {
     "symmetric": theta.Symmetric,
     "separatrix": theta.Separatrix,
     "direct": theta.Direct,
@@ -122,7 +123,7 @@ class Exact:
             w[:] = self._w0[:, None]
             if R is not None:
                 half = np.pi * turns([p.rate], [NOTHING], t)[1][0]
-                _matrices(np.array([np.cos(half), *(axis * np.sin(half) for axis in p.axis)]), R)
+                R[:] = matrices(np.array([np.cos(half), *(axis * np.sin(half) for axis in p.axis)]))
             return
         assert series is not None
         if R is None:
@@ -132,7 +133,7 @@ class Exact:
             whole, rest = turns([p.phase, p.swing], [p.start, NOTHING], np.concatenate((t, BEGINNING)))
             along = series(whole[0], rest[0])
             q = _quaternion(p.momentum, along, np.pi * rest[1] + along.extra)
-            _matrices(_relative(q[:, -1], p) @ q[:, :-1], R)
+            R[:] = matrices(_relative(q[:, -1], p) @ q[:, :-1])
         for axis, sign, moment, component in zip(p.axes, p.signs, p.moments, along[:3], strict=True):
             np.multiply(component[: t.size], sign / moment, out=w[axis])
 
@@ -173,8 +174,8 @@ def _relative(start: Array, p: Polhode) -> Array:
     return np.array(back)
 
 
-def _matrices(quaternion: Array, R: Array) -> None:
-    """Fill ``R`` (n, 3, 3) with the rotation matrices of quaternions (4, n) of any length but zero."""
+def matrices(quaternion: Array) -> Array:
+    """Return the rotation matrices (n, 3, 3) of quaternions (4, n) of any length but zero."""
     entries = ENTRIES @ (quaternion[LEFT] * quaternion[RIGHT])
     np.divide(entries[:9], entries[9], out=entries[:9])
-    R[:] = entries[:9].T.reshape(-1, 3, 3)
+    return entries[:9].T.reshape(-1, 3, 3)

@@ -14,13 +14,12 @@ import gmpy2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference.elliptic import jacobi, third_kind
 from reference.precise import NOTHING, Real, integrals, pair, turns
 
 Array = NDArray[np.float64]
 BITS = 400  # an almost double root of the cubic loses half of them
 UPRIGHT = 1e-40
-LEAST = 1e-100  # sn of it is 0 to rounding
-EVEN = 1e-8  # arithmetic-geometric mean: one more step would change nothing
 
 
 class _Pole(NamedTuple):
@@ -146,7 +145,7 @@ class HeavyTop:
         """Return the periodic parts (2, n) of φ and ψ."""
         north, south = (
             (
-                pole.size * (third_kind(*functions, pole.n, pole.nc) - pole.mean * x)
+                pole.size * (third_kind(functions, pole.n, pole.nc, self._kc) - pole.mean * x)
                 if pole.size
                 else np.zeros_like(x)
             )
@@ -166,38 +165,6 @@ def _roots(e: Real, z: Real, s: Real, zs: Real) -> tuple[Real, Real, Real]:
     return low, high, far
 
 
-def jacobi(x: Array, kc: float) -> tuple[Array, Array, Array]:
-    """Return sn, cn and dn (n,) of ``x`` (n,) with |x| ≤ K, for the complementary modulus ``kc`` in (0, 1].
-
-    Source: Bulirsch's sncndn (Numer. Math. 7, 1965), which loses no digit where kc is near 0.
-    """
-    a, b, means = 1.0, kc, [(1.0, kc)]
-    while a - b > EVEN * a:
-        a, b = (a + b) / 2, math.sqrt(a * b)
-        means.append((a, b))
-    mean = (a + b) / 2
-    angle = mean * np.where(np.abs(x) < LEAST, LEAST, x)
-    cot = np.cos(angle) / np.sin(angle)
-    c, dn = mean * cot, np.ones_like(cot)
-    for a, b in reversed(means):
-        cot = cot * c
-        c = c * dn
-        dn = (b + cot) / (a + cot)
-        cot = c / a
-    sn = np.copysign(1 / np.hypot(c, 1.0), angle)
-    return sn, c * sn, dn
-
-
-def third_kind(sn: Array, cn: Array, dn: Array, n: float, nc: float) -> Array:
-    """Return Π(n; x) (n,) for |x| ≤ K, where ``nc`` = 1 − n > 0, by Carlson's symmetric integrals (DLMF
-    §19.25(i)).
-    """
-    from scipy.special import elliprf, elliprj  # 0.2 s, which a process without tops saves
-
-    s2 = sn**2
-    return sn * (elliprf(cn**2, dn**2, 1.0) + n * s2 / 3 * elliprj(cn**2, dn**2, 1.0, cn**2 + nc * s2))
-
-
 def attitude(angles: ArrayLike) -> Array:
     """Return R (n, 3, 3) = R_z(φ) R_x(θ) R_z(ψ), body → space, of (θ, φ, ψ) (3, n)."""
     (ct, cf, cp), (st, sf, sp) = np.cos(angles), np.sin(angles)
@@ -207,16 +174,6 @@ def attitude(angles: ArrayLike) -> Array:
         [st * sp, st * cp, ct],
     ]
     return np.moveaxis(np.array(rows), 2, 0)
-
-
-def euler_angle_rates(y: ArrayLike, I1: float, I3: float, mgl: float) -> Array:
-    """Return dy/dt (6,) or (6, n): Lagrange's equations in Euler angles, singular at θ = 0 and π."""
-    theta, _, _, nod, swing, spin = np.asarray(y, dtype=float)
-    c, s = np.cos(theta), np.sin(theta)
-    torque = I3 * (spin + swing * c)
-    tilting = (mgl + (I1 * swing * c - torque) * swing) * s / I1
-    swinging = (torque - 2 * I1 * swing * c) * nod / (I1 * s)
-    return np.array([nod, swing, spin, tilting, swinging, nod * swing * s - swinging * c])
 
 
 def euler_state(w: ArrayLike, R: ArrayLike) -> Array:

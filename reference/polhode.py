@@ -28,7 +28,8 @@ class Polhode:
     """A polhode about body axis ``axes[2]``, seen in the right-handed triad ``signs``·``axes`` = (a, b, c)
     with m_c > 0.
 
-    ``moments`` (kg m²) and ``sizes`` (A_a, A_b, A_c in kg m²/s) belong to a, b, c; ``momentum`` is |L|.
+    ``moments`` (kg m²), ``sizes`` (A_a, A_b, A_c in kg m²/s) of a, b, c, and ``momentum``, which is |L|, are
+    divided by one power of two that makes ``momentum`` at least ½ and less than 1.
     ``k2`` + ``kc2`` = 1. ``phase`` is u/2K in turns per second, ``start`` its value at t = 0; ``swing`` is
     the mean rate of the angle about L, in turns per second. ``nome_ratio`` is πK'/K and ``offset`` πy₀/K
     (direct) or their duals πK/K' and πy₀/2K'. On the separatrix ``phase`` is du/dt and ``start`` is u₀.
@@ -109,13 +110,14 @@ def _polhode(order: list[int], moments: list[Real], w: list[Real]) -> Polhode:
     if m[1] < 0:
         start = -start
     swing = (momentum / ic + sense * momentum * i31 / (ia * ic) * mean) / (2 * gmpy2.const_pi())
-    sizes = float(gmpy2.sqrt(ia * dc / i31)), float(gmpy2.sqrt(i2 * dc / icb)), float(size_c)
+    unit = gmpy2.exp2(gmpy2.frexp(momentum)[0])
+    sizes = gmpy2.sqrt(ia * dc / i31), gmpy2.sqrt(i2 * dc / icb), size_c
     return Polhode(
         axes=axes,
         signs=(sign_a, 1, sign_c),
-        moments=(float(ia), float(i2), float(ic)),
-        sizes=sizes,
-        momentum=float(momentum),
+        moments=(float(ia / unit), float(i2 / unit), float(ic / unit)),
+        sizes=(float(sizes[0] / unit), float(sizes[1] / unit), float(sizes[2] / unit)),
+        momentum=float(momentum / unit),
         k2=float(k2),
         kc2=float(kc2),
         phase=pair(phase),

@@ -57,13 +57,16 @@ def sensitivities(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400)
     """
     moments, start, times = check_moments(I), np.asarray(w0, dtype=float), np.linspace(0.0, t_end, samples)
     exact = Exact(start, moments)
-    flow = _flow(exact, moments, times)
     speed = np.linalg.norm(euler_rhs(exact.omega(times), moments), axis=0)
+    between = np.zeros(
+        (samples, samples, 3, 3)
+    )  # ∂ω(tᵢ)/∂ω(tⱼ) for i ≥ j, forwards only: nothing is inverted
+    between[range(samples), range(samples)] = np.eye(3)
+    for k, across in enumerate(_propagators(exact, moments, times)):
+        between[k + 1, : k + 1] = across @ between[k, : k + 1]
     later, earlier = np.tril_indices(samples)
-    norms = np.zeros((samples, samples))
-    # The flow has determinant 1 in L, so its inverse is as accurate as itself.
-    between = flow[later] @ np.linalg.inv(flow)[earlier]
-    norms[later, earlier] = np.sqrt(_largest_eigenvalue(np.swapaxes(between, 1, 2) @ between))
+    flow, norms = between[later, earlier], np.zeros((samples, samples))
+    norms[later, earlier] = np.sqrt(np.linalg.eigvalsh(np.swapaxes(flow, 1, 2) @ flow)[:, -1])
     weighted = norms * np.array([speed, np.ones(samples)])[:, None]
     worst = (
         np.tril((weighted[:, :, 1:] + weighted[:, :, :-1]) / 2 * np.diff(times), -1).sum(axis=2).max(axis=1)
@@ -71,23 +74,9 @@ def sensitivities(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400)
     return float(worst[0]) / float(np.linalg.norm(start)), float(worst[1])
 
 
-def _largest_eigenvalue(A: Array) -> Array:
-    """Return the largest eigenvalue (n,) of symmetric matrices (n, 3, 3) by the trigonometric solution of the
-    cubic (Smith, Commun. ACM 4, 1961), to a relative 1e-7 if the two largest are nearly equal and to rounding
-    else.
-    """
-    mean = np.trace(A, axis1=1, axis2=2) / 3
-    x, y, z = (A[:, k, k] - mean for k in range(3))
-    yz, xz, xy = A[:, 1, 2], A[:, 0, 2], A[:, 0, 1]
-    size = np.sqrt((x * x + y * y + z * z + 2 * (yz * yz + xz * xz + xy * xy)) / 6)
-    x, y, z, yz, xz, xy = np.array([x, y, z, yz, xz, xy]) / np.where(size > 0, size, 1.0)
-    determinant = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz)
-    return np.asarray(mean + 2 * size * np.cos(np.arccos(np.clip(determinant / 2, -1.0, 1.0)) / 3))
-
-
-def _flow(exact: Exact, moments: Array, times: Array) -> Array:
-    """Return ∂ω(t)/∂ω(0) (n, 3, 3) at evenly spaced ``times`` (n,), by the classical Runge-Kutta step, all
-    intervals at the same time.
+def _propagators(exact: Exact, moments: Array, times: Array) -> Array:
+    """Return ∂ω(tᵢ₊₁)/∂ω(tᵢ) (n − 1, 3, 3) of evenly spaced ``times`` (n,), by the classical Runge-Kutta
+    step, all intervals at the same time.
     """
     gap = float(times[1] - times[0])
     fastest = float(np.linalg.norm(_jacobian(exact.omega(times), moments), axis=(1, 2)).max())
@@ -104,10 +93,7 @@ def _flow(exact: Exact, moments: Array, times: Array) -> Array:
         k3 = middle @ (one + h / 2 * k2)
         k4 = last @ (one + h * k3)
         across = (one + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)) @ across
-    flow = [one]
-    for interval in across:
-        flow.append(interval @ flow[-1])
-    return np.array(flow)
+    return across
 
 
 def _jacobian(w: Array, moments: Array) -> Array:

@@ -9,7 +9,7 @@ Celledoni et al. 2008, in another form).
 
 import math
 from operator import add, mul, sub
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,16 +34,6 @@ class Along(NamedTuple):
     re: Array | float
     im: Array | float
     extra: Array | float
-
-
-class Series(Protocol):
-    """A model, constructed from a polhode and called with the whole part and the rest of u/2K."""
-
-    def __init__(self, p: Polhode) -> None: ...
-
-    def __call__(self, whole: Array, rest: Array) -> Along:
-        """Return the samples for the whole part and the rest of u/2K (n,)."""
-        ...
 
 
 class Symmetric:
@@ -164,6 +154,9 @@ class Separatrix:
         scale = 1 / (1 + e * e)
         re, im = math.cos(self._half) * (1 + e), -side * math.sin(self._half) * (1 - e) * sign
         return Along(side * a * 2 * e * scale, b * sign * (1 - e * e) * scale, c * 2 * e * scale, re, im, 0.0)
+
+
+Series = Symmetric | Direct | Dual | Separatrix  # called with the whole part and the rest of u/2K
 
 
 def _in_powers(c0: float, c1: float, c2: float, c3: float) -> tuple[float, float, float, float]:

@@ -168,4 +168,5 @@ def _sweep(exact: Callable[[Mapping[str, Any]], Arrays], questions: Sequence[Que
             errors = (np.abs(got - want) / scale).max(axis=(-2, -1))
         return result(name, question.function, runs, errors, data["most_calls"] + 1)
 
-    return Sweep(replace(question.scene("sweep", 1, Part(exact)), after=None, budget_s=BUDGET_S), read)
+    scene = replace(question.scene("sweep", 1, Part(exact)), after=None, budget_s=BUDGET_S)
+    return Sweep(scene, read, tolerance=data["follow"]["limit"])

@@ -7,7 +7,6 @@ integrator, bound before the submission runs, so that replacing ``solve_ivp`` ch
 
 import math
 import re
-import time
 import types
 from math import isfinite
 
@@ -15,16 +14,16 @@ import numpy as np
 
 import ecp.animate
 from ecp.animation_recording import record
-from ecp.integration import IntegrationStopped, integrate, returning, solve_ivp
+from ecp.integration import IntegrationStopped, integrate
 from ecp.notes import remark
 from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
+from ecp.timing import seconds_of_a_call, timed_runs
 
 # The notebook's settings. A right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
 UNBOUNDED = 30.0  # times the first |ω|; energy conservation allows √(largest / smallest moment), under 6 here
 CALLED = ("t", "w", "I")
 FLOAT, SPIN = np.dtype(float), (3,)
-TIMED = 500
 OVERWRITES = (
     "euler_eqs returns the same array at each call and overwrites it: SciPy's DOP853 alone is off by 5e-4 "
     "with it; return a new array"
@@ -112,9 +111,9 @@ def _rate(answer):
     return real_array(answer, SPIN, "euler_eqs")
 
 
-def driven(function, inputs):
+def driven(function, inputs, most=MOST_CALLS):
     """Return start and right-hand side (``ecp.integration.Rates``) of the motion that ``function`` drives,
-    and a list of the number of its calls and the last ω.
+    and a list of the number of its calls, ``most`` at most, and the last ω.
     """
     moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
@@ -125,9 +124,9 @@ def driven(function, inputs):
         def evaluate(t):
             calls[0] += 1
             calls[1] = w = spin.copy()
-            if calls[0] > MOST_CALLS:
+            if calls[0] > most:
                 raise WrongAnswer(
-                    None, f"the integration stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs"
+                    None, f"the integration stalled at t = {t:.3g} s after {most} calls of euler_eqs"
                 )
             rate = _rate(function(t, w, moments.copy()))
             x, y, z = rate.tolist()
@@ -148,44 +147,19 @@ def driven(function, inputs):
 
 
 def sweep(student, inputs):
-    """Integrate one motion by several solvers and tolerances; return motions, calls and seconds, and the
+    """Integrate one motion by several solvers and tolerances; return motions, calls and CPU seconds, and the
     seconds of one call.
     """
     function, times = student["euler_eqs"], np.array(inputs["t"])
-    states, calls, seconds = [], [], []
-    for solver, rtol in inputs["settings"]:
-        start, rates, made = driven(function, inputs)
-        state, began = np.full((len(start), len(times)), np.nan), time.perf_counter()
-        try:
-            run = solve_ivp()(
-                returning(rates),
-                (0.0, times[-1]),
-                start,
-                method=solver,
-                t_eval=times,
-                rtol=rtol,
-                atol=1e-2 * rtol,
-            )
-            state[:, : run.y.shape[1]] = run.y
-        except WrongAnswer:
-            pass  # this setting stalls; others may not
-        seconds.append(time.perf_counter() - began)
-        calls.append(made[0])
-        states.append(state)
-    y = np.array(states)
     w0, moments = np.array(inputs["w0"], dtype=float), np.array(inputs["I"], dtype=float)
-    timed = []
-    for _ in range(TIMED):
-        began = time.perf_counter()
-        function(0.0, w0, moments)
-        timed.append(time.perf_counter() - began)
-    R = np.swapaxes(y[:, 3:], 1, 2).reshape(len(y), len(times), 3, 3)
+    per_call = seconds_of_a_call(lambda: function(0.0, w0, moments))
+    most = inputs["most_calls"]
+    runs = timed_runs(lambda: driven(function, inputs, most), times, inputs["settings"], 1.0, most)
     return {
-        "w": y[:, :3],
-        "R": R,
-        "calls": np.array(calls, float),
-        "seconds": np.array(seconds),
-        "per_call": np.median(timed),
+        "w": np.array([run.states[:3] for run in runs]),
+        "calls": np.array([run.calls for run in runs], float),
+        "seconds": np.array([run.seconds for run in runs]),
+        "per_call": np.array(per_call),
     }
 
 

@@ -27,7 +27,6 @@ class Renderer:
 
     def __init__(self) -> None:
         self._process = SeparateProcess(TIMEOUT_S)
-        self._charts: dict[tuple[str, int], bytes] = {}
         self._tasks: dict[tuple[Any, ...], asyncio.Task[bytes]] = {}
         self._prepared: dict[str, asyncio.Task[None]] = {}
 
@@ -56,14 +55,6 @@ class Renderer:
         key = stored.grading, name, form, narrow
         draw = partial(rendering.draw_stored, narrow=narrow)
         return await self._shared(key, draw, stored.assignment, name, packed, stored.seed, form)
-
-    async def chart(self, kind: str, number: int) -> bytes:
-        """Return a chart of the reference methods as SVG, rendered once per server process."""
-        if (kind, number) not in self._charts:
-            self._charts[kind, number] = await self._shared(
-                (kind, number), rendering.draw_chart, kind, number
-            )
-        return self._charts[kind, number]
 
     async def class_sweep(self, documents: Sequence[dict[str, Any]]) -> bytes:
         """Return the chart of a class's sweeps over the reference methods as SVG."""

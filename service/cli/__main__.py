@@ -35,7 +35,9 @@ COMMANDS = {
         "worker",
         help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL",
     ),
-    "chart": Command("chart", help="measure the reference methods and chart their cost and where they fail"),
+    "chart": Command(
+        "chart", help="measure what accuracy costs with the reference methods and where they fail"
+    ),
     "mutants": Command(
         "mutants", help="grade mutants of the solution and list those that the checks misjudge"
     ),

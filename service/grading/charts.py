@@ -1,136 +1,117 @@
-"""Measurements of the reference methods: files in CSV and JSON with their charts in SVG."""
+"""The measurement of the reference methods: what accuracy costs, where methods fail, and the least model of a
+scene.
+"""
 
-import csv
 import functools
 import json
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
-import numpy as np
-
-from service.grading.chart_drawing import draw_stability, draw_work_precision, error
+from service.grading.chart_drawing import COLORS, GHOST, Chart, Curve, draw
 from service.grading.grade import versions
 
-MEASURED = Path(__file__).parent / "measured"
-
-
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-N = TypeVar("N", bound=_Named)
-
-
-def write_work_precision(names: list[str] | None, out: Path) -> Path:
-    """Measure the scenes whose names contain one of ``names`` (None: all). Write work-precision.{csv,json}
-    and an SVG per scene.
-
-    Raises ValueError if no scene matches.
-    """
-    from reference.work_precision import SCENES, measure, rows
-
-    found = []
-    for scene in _named(SCENES, names):
-        print(f"measuring {scene.name} …", flush=True)
-        found += rows(measure([scene]))
-    document = _write_document(out / "work-precision.json", points=found)
-    _write_csv(out / "work-precision.csv", found)
-    for number, name in enumerate(scenes(document)):
-        (out / f"work-precision-{number}.svg").write_bytes(draw_work_precision(document, name))
-    return out
-
-
-def _named(known: Sequence[N], names: list[str] | None) -> list[N]:
-    """Return the elements whose names contain one of ``names`` (None: all). Raises ValueError if there is
-    none.
-    """
-    chosen = [one for one in known if names is None or any(name in one.name for name in names)]
-    if not chosen:
-        raise ValueError(
-            f"no scene matches {', '.join(names or [])}; available: {', '.join(one.name for one in known)}"
-        )
-    return chosen
-
-
-@functools.cache
-def load_work_precision() -> dict[str, Any]:
-    """Return the work-precision measurement of this version."""
-    document: dict[str, Any] = json.loads((MEASURED / "work-precision.json").read_text())
-    return document
-
-
-def scenes(document: dict[str, Any]) -> list[str]:
-    """Return the names of the measured scenes, in order."""
-    return list(dict.fromkeys(p["scene"] for p in document["points"]))
-
-
-def accurate(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the steppers' points with an error of at most 1e-8."""
-    return [
-        p
-        for p in document["points"]
-        if p["line"] != "closed form" and error(p) is not None and (error(p) or 0.0) <= 1e-8
-    ]
-
-
-def cheaper(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the accurate points that cost less CPU time than the exact solution of their scene."""
-    price = {p["scene"]: p["ratio"] for p in document["points"] if p["method"] == "exact"}
-    return [p for p in accurate(document) if p["ratio"] < price[p["scene"]]]
-
-
-def _write_document(path: Path, **measured: Any) -> dict[str, Any]:
-    """Write a measurement with date and versions as JSON, and return it."""
-    document: dict[str, Any] = _finite(
-        {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), **measured}
+MEASURED = Path(__file__).parent / "measured" / "reference.json"
+EXACT_ERROR = 1.5e-15  # largest error of R over the 2100 bodies of tests/reference/truth.npz
+METHOD_COLORS = dict(
+    zip(
+        ("RK4", "RK8", "DOP853", "Strang splitting", "splitting 6", "Moser-Veselov 6", "Euler"),
+        COLORS,
+        strict=True,
     )
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(document, ensure_ascii=False, indent=0))
-    return document
+)
+US = 1e6
 
 
-def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write one line per row, with a column for every name that any row has."""
-    with path.open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, list(dict.fromkeys(k for row in rows for k in row)))
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def _finite(value: Any) -> Any:
-    """Return a value that JSON can represent: numbers that are not finite become None."""
-    if isinstance(value, dict):
-        return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, Iterable) and not isinstance(value, str):
-        return [_finite(v) for v in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def write_stability(names: list[str] | None, out: Path) -> Path:
-    """Measure the atlas entries whose names contain one of ``names`` (None: all). Write stability.json, a CSV
-    and an SVG per entry.
-
-    Raises ValueError if no entry matches.
+def measure() -> dict[str, Any]:
+    """Measure all scenes and pictures, printing what is being measured. It takes a minute or two and needs
+    numba.
     """
-    from reference.stability_atlas import ATLAS
+    from reference import cost, failures, least
+    from reference.scenes import SCENES
 
-    entries = []
-    for entry in _named(ATLAS, names):
-        print(f"measuring: {entry.name} …", flush=True)
-        rows = entry.measure()
-        entries.append({"name": entry.name, "claim": entry.claim, "holds": entry.holds(rows), "rows": rows})
-    document = _write_document(out / "stability.json", entries=entries)
-    for number, entry in enumerate(document["entries"]):
-        _write_csv(out / f"stability-{number}.csv", entry["rows"])
-        (out / f"stability-{number}.svg").write_bytes(draw_stability(document, number))
-    return out
+    scenes, pictures = [], []
+    for scene in SCENES:
+        print(f"measuring {scene.name} …", flush=True)
+        floor, points = cost.floor(scene), cost.measure(scene)
+        claims = cost.claims(points, floor)
+        scenes.append({"name": scene.name, "floor": floor, "points": points, "claims": claims})
+    for picture in failures.PICTURES:
+        print(f"measuring {picture.title} …", flush=True)
+        curves = {curve.name: curve for curve in picture.measure()}
+        shown = {"title": picture.title, "across": picture.across, "up": picture.up}
+        pictures.append({**shown, "curves": [*curves.values()], "claims": [*picture.claims(curves)]})
+    document = {
+        "measured_at": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": versions(),
+        "scenes": scenes,
+        "pictures": pictures,
+        "unfailing": [*failures.unfailing()],
+        "least": [*least.table()],
+    }
+    return json.loads(_text(document))
+
+
+def _text(document: Mapping[str, Any]) -> str:
+    """Return a measurement as JSON; Infinity is an error that is not finite, of a run that diverged."""
+    return json.dumps(document, ensure_ascii=False, default=float)
 
 
 @functools.cache
-def load_stability() -> dict[str, Any]:
-    """Return the stability atlas of this version."""
-    document: dict[str, Any] = json.loads((MEASURED / "stability.json").read_text())
+def load() -> dict[str, Any]:
+    """Return the measurement of this version."""
+    document: dict[str, Any] = json.loads(MEASURED.read_text(encoding="utf-8"))
     return document
+
+
+def write(document: Mapping[str, Any], out: Path) -> None:
+    """Write a measurement as reference.json, and its charts as SVG."""
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "reference.json").write_text(_text(document) + "\n", encoding="utf-8")
+    for kind in ("cost", "failure"):
+        for number in range(count(document, kind)):
+            (out / f"{kind}-{number}.svg").write_bytes(draw(chart(document, kind, number)))
+
+
+def count(document: Mapping[str, Any], kind: str) -> int:
+    """Return the number of charts of the kind "cost" or "failure"."""
+    return len(document["scenes" if kind == "cost" else "pictures"])
+
+
+def chart(document: Mapping[str, Any], kind: str, number: int) -> Chart:
+    """Return chart ``number`` of the kind "cost", one for each scene, or "failure", one for each picture."""
+    if kind == "cost":
+        return _cost(document["scenes"][number])
+    picture = document["pictures"][number]
+    colors = iter(COLORS)
+    curves = [
+        Curve(name, [*zip(x, y, strict=True)], _color(name) or next(colors))
+        for name, x, y in picture["curves"]
+    ]
+    return Chart(picture["across"], picture["up"], picture["title"], curves)
+
+
+def _color(name: str) -> str | None:
+    return GHOST if name.startswith("κ") else METHOD_COLORS.get(name)
+
+
+def _cost(scene: Mapping[str, Any]) -> Chart:
+    of: dict[str, list[Sequence[float]]] = {}
+    for method, *point in scene["points"]:
+        of.setdefault(method, []).append(point)
+    closed, scipy = of.pop("closed form"), of.pop("DOP853 in SciPy")[0]
+    of.pop("Euler")  # it is never the cheapest
+    curves = [
+        Curve(name, [(seconds * US, error) for _, error, _, seconds in points], METHOD_COLORS[name])
+        for name, points in of.items()
+    ]
+    curves.append(Curve("closed form", [(point[3] * US, EXACT_ERROR) for point in closed], "c6"))
+    ours = next(point for point in of["DOP853"] if point[0] == scipy[0])
+    arrow = [(ours[3] * US, ours[1]), (scipy[3] * US, scipy[1])]
+    curves.append(Curve(f"in SciPy: ×{scipy[3] / ours[3]:.0f}", arrow, GHOST))
+    levels = (
+        [(scene["floor"], "(κ + angle)·2⁻⁵²")] if scene["floor"] and math.isfinite(scene["floor"]) else []
+    )
+    return Chart("CPU time / µs", "largest error of ω or R over the run", scene["name"], curves, levels)

@@ -7,7 +7,8 @@ from collections.abc import Collection, Sequence
 from ecp.document import document
 from ecp.outcome import SweepResult
 from ecp.report import Report
-from exercises.assignment import Assignment
+from exercises.assignment import Assignment, Sweep
+from exercises.sweep import compared
 from service.grading import rendering
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded, grade
@@ -58,8 +59,8 @@ class Grader:
     def sweep(
         self, submission: Submission, assignment: Assignment, exercises: Collection[str] = ()
     ) -> SweepResult:
-        """Measure speed against accuracy of a submission's function: of the first of the ``exercises`` that
-        has a chart, else of the assignment's first.
+        """Measure speed against accuracy of a submission's function, and of a right solution right after: of
+        the first of the ``exercises`` that has a chart, else of the assignment's first.
 
         Raises SweepFailed if that is not possible.
         """
@@ -67,6 +68,16 @@ class Grader:
         if sweep is None:
             raise SweepFailed(f"assignment {assignment.slug} does not measure speed against accuracy")
         self.ready()
+        function = sweep.scene.function
+        mine = self._swept(submission, assignment, sweep)
+        source = (
+            sweep.solution.read_text("utf-8") if sweep.solution else assignment.right_submission(function)
+        )
+        right = self._swept(Submission(source), assignment, sweep) if source else None
+        return compared(mine, right, sweep, function)
+
+    def _swept(self, submission: Submission, assignment: Assignment, sweep: Sweep) -> SweepResult:
+        """Play a sweep with a submission's function. Raises SweepFailed if that is not possible."""
         scene = sweep.scene
         assert not callable(scene.inputs)
         began = time.monotonic()
@@ -84,7 +95,8 @@ class Grader:
                 swept = sweep.read(result.arrays[scene.name], exact)
         except (ArithmeticError, ValueError) as error:
             raise SweepFailed(f"the results cannot be compared with the exact motion ({error})") from error
-        if not rendering.plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:
+        arrived = sum(point.seconds for point in swept.points if not point.stopped)
+        if not rendering.plausible(swept) or arrived > elapsed:
             raise SweepFailed(
                 "the measurement returned impossible numbers of calls or seconds: submit your functions alone"
             )
@@ -109,8 +121,6 @@ class Grader:
         return graded.report, packed
 
     def sweep_and_draw(self, submission: Submission, slug: str) -> tuple[str, bytes]:
-        """Measure speed against accuracy. Return JSON and an SVG chart with the reference methods. Raises
-        SweepFailed.
-        """
+        """Measure speed against accuracy. Return JSON and an SVG chart. Raises SweepFailed, Cancelled."""
         swept = self.sweep(submission, find_assignment(slug))
         return json.dumps(document(swept)), rendering.draw_sweep(swept)

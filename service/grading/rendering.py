@@ -1,6 +1,4 @@
-"""Images: figures and contact sheets of a graded submission, sweeps of one or of a class, and charts of the
-reference methods.
-"""
+"""Images: figures and contact sheets of a graded submission, and sweeps of one or of a class."""
 
 import io
 import math
@@ -17,8 +15,9 @@ from ecp.document import read
 from ecp.exercise import Figure
 from ecp.outcome import SweepResult
 from exercises.assignment import Assignment
-from service.grading import chart_drawing, charts
+from service.grading import chart_card
 from service.grading.author_errors import author_errors, find_assignment
+from service.grading.chart_drawing import draw as draw_chart
 from service.grading.grade import Graded
 from service.grading.jobs import draw_inputs, truth
 from service.grading.result import ARRAYS
@@ -102,27 +101,16 @@ def draw_stored(
     return draw(assignment, declared, unpack(packed), seed, form, narrow=narrow)
 
 
-def draw_chart(kind: str, number: int) -> bytes:
-    """Draw chart ``number`` of the kind "work-precision" or "stability" from the measurement of this version,
-    as SVG.
-    """
-    if kind == "stability":
-        return chart_drawing.draw_stability(charts.load_stability(), number)
-    document = charts.load_work_precision()
-    return chart_drawing.draw_work_precision(document, charts.scenes(document)[number])
-
-
 def draw_sweep(swept: SweepResult) -> bytes:
-    """Draw the sweep of a submission with the reference methods, as SVG."""
-    return chart_drawing.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
+    """Draw speed against accuracy of a submission, as SVG."""
+    return draw_chart(chart_card.card(swept))
 
 
 def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
-    """Draw the sweeps of a class, as JSON, with the reference methods. Uses the most frequent scene only."""
+    """Draw the sweeps of a class, as JSON. Uses the most frequent scene only."""
     found = [swept for swept in (read(SweepResult, one) for one in documents) if plausible(swept)]
-    measured = charts.load_work_precision()
-    scene = Counter([swept.scene for swept in found] or charts.scenes(measured)).most_common(1)[0][0]
-    return chart_drawing.draw_class(measured, scene, [s.points for s in found if s.scene == scene])
+    scene = Counter([swept.scene for swept in found] or [""]).most_common(1)[0][0]
+    return draw_chart(chart_card.of_class(scene, [s.points for s in found if s.scene == scene]))
 
 
 def plausible(swept: SweepResult) -> bool:

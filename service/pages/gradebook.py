@@ -32,7 +32,7 @@ YEARS = range(2000, 3000)
 async def class_sweep(
     person: Staff, assignment: Assigned, database: Db, renderer: Held[Renderer]
 ) -> Response:
-    """Return the speed vs accuracy chart of the class's measured functions and the reference methods."""
+    """Return the speed vs accuracy chart of the class's measured functions."""
     documents = await sweeps.documents(database, await gradebook.students(database, assignment.slug))
     if not documents:
         raise Problem(
@@ -45,7 +45,7 @@ async def class_sweep(
     router, "/assignments/{slug}/class/sweep", page=class_tabs.overview, at="/assignments/{slug}/class"
 )
 async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, database: Db) -> Response:
-    """Queue the speed vs accuracy sweep of all counted submissions, after all waiting gradings."""
+    """Queue the speed vs accuracy sweep of all counted submissions, behind all other jobs."""
     await sweeps.request_class(database, await gradebook.students(database, assignment.slug))
     return RedirectResponse(f"/assignments/{assignment.slug}/class#speed", 303)
 

@@ -1,46 +1,42 @@
-"""The page of the reference methods: charts of speed vs accuracy, and of where methods fail."""
+"""The page of the reference methods: what accuracy costs, where methods fail, and the least model of a
+scene.
+"""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from service.api.figure_renderer import Renderer
 from service.auth.roles import OptionalUser
 from service.grading import charts
+from service.grading.chart_drawing import draw
 from service.http.errors import Problem
-from service.http.state import Held
 from service.http.templating import templates
 
 router = APIRouter()
 
 
 @router.get("/reference", response_class=HTMLResponse)
-async def reference(request: Request, person: OptionalUser) -> HTMLResponse:
-    """Show speed and accuracy of the reference methods and where they fail, with date and versions of
-    the measurement.
+async def reference(
+    request: Request, person: OptionalUser, scene: Annotated[int, Query(ge=0)] = 0
+) -> HTMLResponse:
+    """Show the cost of accuracy on one scene, where methods fail and the least models, with date and versions
+    of the measurement.
     """
-    document, atlas = charts.load_work_precision(), charts.load_stability()
-    context = {
-        "document": document,
-        "atlas": atlas,
-        "scenes": charts.scenes(document),
-        "accurate": charts.accurate(document),
-        "cheaper": charts.cheaper(document),
-    }
-    return templates.TemplateResponse(request, "reference.html", context)
-
-
-@router.get("/reference/{kind}/{number}.svg")
-async def chart(
-    kind: Literal["work-precision", "stability"], number: int, renderer: Held[Renderer]
-) -> Response:
-    """Return a chart of the reference page as SVG."""
-    count = len(
-        charts.load_stability()["entries"]
-        if kind == "stability"
-        else charts.scenes(charts.load_work_precision())
+    document = charts.load()
+    if scene >= charts.count(document, "cost"):
+        raise Problem(404, "not-found", f"no scene {scene}: see /reference for the scenes")
+    return templates.TemplateResponse(
+        request,
+        "reference.html",
+        {"document": document, "number": scene, "exact_error": charts.EXACT_ERROR},
     )
-    if not 0 <= number < count:
+
+
+@router.get("/reference/{kind}-{number}.svg")
+async def chart(kind: Literal["cost", "failure"], number: int) -> Response:
+    """Return a chart of the reference page as SVG."""
+    document = charts.load()
+    if not 0 <= number < charts.count(document, kind):
         raise Problem(404, "not-found", f"no chart {number}: see /reference for the charts")
-    return Response(await renderer.chart(kind, number), media_type="image/svg+xml")
+    return Response(draw(charts.chart(document, kind, number)), media_type="image/svg+xml")

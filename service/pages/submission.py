@@ -1,6 +1,7 @@
 """The submission page: report, source, motions, gradings, and the student's other submissions."""
 
 import asyncio
+import json
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -28,7 +29,6 @@ from service.http.templating import templates
 from service.pages import report_summary
 from service.pages.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
 from service.store import records, sweeps
-from service.store.artefacts import find_artefact
 from service.store.course import comments, overrides, regrade_requests
 from service.store.history import gradings, previous, timeline
 from service.store.records import SubmissionRecord
@@ -52,8 +52,9 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
         "timeline": rows,
         "standing": report_summary.standing(stored, rows),
     }
-    refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
-    context["sweep_refused"] = refused[0].decode() if refused else ""
+    if context["sweeps"]:
+        how, told = await sweeps.ending(database, stored.grading) or ("", "")
+        context["sweep"] = {"how": how, "told": json.loads(told)["line"] if how == sweeps.SWEPT else told}
     given = {} if stored.withheld else await _overrides_context(database, stored)
     return templates.TemplateResponse(request, "report.html", context | given)
 

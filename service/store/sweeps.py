@@ -16,13 +16,12 @@ from service.store.course.gradebook import StudentRow
 from service.store.database import Connection, Database
 from service.store.queue import send_sweep
 
-SWEPT, REFUSED = "sweep.json", "sweep.refused"
+SWEPT, REFUSED, FAULT = "sweep.json", "sweep.refused", "sweep.fault"
 MOST_RUNS = 3  # of one grading's sweep, lost ones included
 
 
 async def request(database: Database, grading: UUID) -> str | None:
-    """Queue a sweep of this grading's function unless one is queued or done. It goes before regrades, as a
-    person waits for it.
+    """Queue a sweep of this grading's function unless one is queued or done, behind all other jobs.
 
     Return None, or why polhode failed to measure it: a request runs a failed sweep again only in another
     version of polhode.
@@ -35,8 +34,19 @@ async def request(database: Database, grading: UUID) -> str | None:
             if fault["version"] == metadata.version("polhode") or faults[-1] == LAST_FAULT:
                 return fault["reason"]
         if SWEPT not in stored and REFUSED not in stored:
-            await _queue_once(connection, grading, "interactive")
+            await _queue_once(connection, grading)
     return None
+
+
+async def ending(database: Database, grading: UUID) -> tuple[str, str] | None:
+    """Return how the sweep of a grading ended: SWEPT with its JSON, REFUSED with the sentence, or FAULT with
+    the reason. None if it has not ended.
+    """
+    stored = {row.name: row.content for row in await database.rows(_STORED, {"grading": grading})}
+    for name in (SWEPT, REFUSED):
+        if name in stored:
+            return name, stored[name].decode()
+    return (FAULT, json.loads(stored[max(stored)])["reason"]) if stored else None
 
 
 async def begin(database: Database, grading: UUID) -> int | None:
@@ -73,9 +83,7 @@ async def request_class(database: Database, class_: Iterable[StudentRow]) -> int
     gradings = _gradings(class_)
     done = {row.grading_id for row in await database.rows(_DONE, {"gradings": gradings, "last": LAST_FAULT})}
     async with database.begin() as connection:
-        return sum(
-            [await _queue_once(connection, grading, "bulk") for grading in gradings if grading not in done]
-        )
+        return sum([await _queue_once(connection, grading) for grading in gradings if grading not in done])
 
 
 async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, int]:
@@ -95,11 +103,19 @@ def _gradings(class_: Iterable[StudentRow]) -> list[UUID]:
     return [s.grading for s in class_ if s.grading is not None and s.status == "graded"]
 
 
-async def _queue_once(connection: Connection, grading: UUID, kind: str) -> bool:
+async def put_back(database: Database, grading: UUID, number: int) -> None:
+    """Queue a sweep again whose run ``number`` gave way to a grading; the run does not count."""
+    async with database.begin() as connection:
+        await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
+        await connection.execute(_FORGET_RUN, {"grading": grading, "name": f"sweep.run.{number}"})
+        await send_sweep(connection, grading, "bulk")
+
+
+async def _queue_once(connection: Connection, grading: UUID) -> bool:
     await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
     if await connection.first(_QUEUED, {"grading": str(grading)}) is not None:
         return False
-    await send_sweep(connection, grading, kind)
+    await send_sweep(connection, grading, "bulk")
     return True
 
 
@@ -119,5 +135,7 @@ _STORED = """
 SELECT k.name, a.content FROM grading_artefact k JOIN artefact a USING (sha256)
 WHERE k.grading_id = :grading AND (k.name IN ('sweep.json', 'sweep.refused') OR k.name LIKE 'sweep.fault.%')
 """
+
+_FORGET_RUN = "DELETE FROM grading_artefact WHERE grading_id = :grading AND name = :name"
 
 _RUNS = "SELECT count(*) FROM grading_artefact WHERE grading_id = :grading AND name LIKE 'sweep.run.%'"

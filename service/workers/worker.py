@@ -39,6 +39,7 @@ log = logging.getLogger(__name__)
 HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping rounds per lease
 REGISTER_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
 RELEASE_S = 3.0
+GIVE_WAY_S = 0.2  # how soon a measurement notices that a grading waits
 PATIENCE_S = 3600.0  # a finished result is kept for an hour of database outage
 # Of a job outside the sandbox: starting guests, judging, drawing. The sandbox ends every play by its own
 # limits, so only an error of polhode's or an assignment's own code can take longer.
@@ -199,26 +200,46 @@ class Worker:
         job = await patiently(partial(runs.read_grading, self._database, uuid.UUID(attempt)), PATIENCE_S)
         number = await patiently(partial(sweeps.begin, self._database, job.grading), PATIENCE_S)
         if number is not None:
-            artefacts = await self._measure(job, number)
+            try:
+                artefacts = await self._measure(job, number)
+            except Cancelled:
+                log.info("stopped: a grading waits")
+                await patiently(partial(sweeps.put_back, self._database, job.grading, number), PATIENCE_S)
+                return
             await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
         await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
 
     async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:
         """Measure speed against accuracy in run ``number``. Return the artefacts of its result, or of its
-        failure of any kind.
+        failure of any kind. Raises Cancelled as soon as a grading waits.
         """
+        assert self._grader is not None
+        cancelled = self._grader.sandbox.cancelled
+        giving_way = asyncio.create_task(self._give_way(cancelled))
         try:
-            assert self._grader is not None
             document, chart = await self._call(
                 self._grader.sweep_and_draw, job.submission, job.assignment,
                 within=self._grader.longest_s(job.assignment),
             )  # fmt: skip
         except SweepFailed as reason:
             return {sweeps.REFUSED: str(reason).encode()}
+        except Cancelled:
+            raise
         except Exception as error:
             log.exception("measuring speed against accuracy failed")
             return sweeps.fault(number, _reason(error))
+        finally:
+            giving_way.cancel()
+            cancelled.clear()
         return {sweeps.SWEPT: document.encode(), "sweep.svg": chart}
+
+    async def _give_way(self, cancelled: threading.Event) -> None:
+        """Set ``cancelled``, which ends a measurement, once somebody waits for a first report."""
+        while True:
+            await asyncio.sleep(GIVE_WAY_S)
+            with _suppress_outages():
+                if self._app is not None and await first_gradings_wait(self._app):
+                    cancelled.set()
 
     def _set_progress(self, phase: str, scene: int, scenes: int) -> None:
         """Called in the grading thread."""

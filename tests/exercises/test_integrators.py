@@ -14,7 +14,7 @@ from ecp.kinds import stepper as kit
 from ecp.kinds.asking import expression
 from exercises.catalogue import find
 from exercises.integrators import assignment as author
-from service.grading import chart_drawing, charts
+from service.grading import rendering
 from service.grading.grader import Grader
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged
@@ -364,12 +364,10 @@ def test_the_chart_shows_seconds_and_errors_of_the_student_s_steppers(monkeypatc
     assert {point.calls for point in swept.points if point.method == "rk4_step"} == {200, 800, 1600}
     assert "rk4_step 800 calls and" in swept.line and "euler_step more than 400 calls" in swept.line
     assert all(point.rtol is None and point.seconds > 0 for point in swept.points)
-    chart = chart_drawing.draw_work_precision(
-        charts.load_work_precision(), swept.scene, swept.points
-    ).decode()
+    chart = rendering.draw_sweep(swept).decode()
     assert (
-        "yours, rk4_step" in chart
-        and "CPU time / s" in chart
+        ">rk4_step<" in chart
+        and "CPU time / ms" in chart
         and "error at the end of the run" in chart
         and "DOP853" not in chart
     )
@@ -389,4 +387,5 @@ def test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails(monkeypatch
 def test_the_chart_is_drawn_from_the_sandbox(sandbox):
     swept = Grader(sandbox).sweep(Submission(RIGHT), find("integrators"))
     errors = {(point.method, point.calls): point.error for point in swept.points}
+    assert swept.reference and "the solution: for an error of" in swept.line
     assert len(errors) == 28 and errors["rk4_step", 4 * 3200] < 1e-8 < errors["verlet_step", 2 * 3200] < 1e-3

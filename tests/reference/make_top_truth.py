@@ -2,8 +2,8 @@
 
 The integration knows neither Euler angles nor elliptic functions: Taylor series of Euler's equations in the
 body's axes, of the vertical γ seen from these axes, and of a quaternion. `reference.heavy_top` uses the
-cubic's roots and elliptic integrals. Run ``python tests/reference/make_top_truth.py``; it takes some minutes
-on one core.
+cubic's roots and elliptic integrals. Run ``python -m tests.reference.make_top_truth``; it takes some minutes
+on one core for a file that does not exist.
 """
 
 import sys
@@ -14,6 +14,7 @@ import numpy as np
 
 HERE = Path(__file__).parent
 DIGITS, ORDER = 60, 70
+NUTATIONS = 100
 TOPS = {  # θ, φ, ψ, θ̇, φ̇, ψ̇ at t = 0, I₁, I₃ and mgl
     "nutating": ((0.6, 0.2, -0.4, 0.7, 1.1, 14.0), 1.3, 0.7, 5.0),
     "cuspidal": ((0.9, 0.0, 0.0, 0.0, 0.0, 25.0), 1.0, 0.5, 9.81),
@@ -23,6 +24,15 @@ TOPS = {  # θ, φ, ψ, θ̇, φ̇, ψ̇ at t = 0, I₁, I₃ and mgl
     "nearly upright": ((1e-3, 0.3, 0.1, 0.0, 500.0, -480.0), 1.0, 1.5, 8.0),
     "near the sleeping top": ((1e-4, 0.0, 0.0, 1e-5, 4.0, 3.9), 1.0, 1.5, 38.0),
     "spherical pendulum": ((1.8, 0.0, 0.0, 0.4, 1.3, 0.2952626), 1.0, 0.9, 3.0),
+}
+ANY_SPIN_OR_SIZE = {
+    "swinging, spin 1e-6": ((1.0, 0.0, 0.0, 0.5, 0.0, 1e-6), 1.0, 0.6, 10.0),
+    "from rest, spin 1e-6": ((1.0, 0.0, 0.0, 0.0, 0.0, 1e-6), 1.0, 0.6, 10.0),
+    "over the top, spin 1e-6": ((1.0, 0.2, 0.0, 6.0, 0.0, 1e-6), 1.3, 0.7, 5.0),
+    "swinging, spin 1e-3": ((2.0, 0.0, 0.5, 0.3, 1e-4, 1e-3), 1.0, 1.5, 8.0),
+    "spin 1e4": ((0.6, 0.2, -0.4, 0.7, 1.1, 1e4), 1.3, 0.7, 5.0),
+    "moments 1e100": ((0.6, 0.2, -0.4, 0.7, 1.1, 14.0), 1.3e100, 0.7e100, 5e100),
+    "moments 1e-100": ((1.1, 1.0, 2.0, -0.3, -0.8, 20.0), 1.2e-100, 0.8e-100, 6e-100),
 }
 
 
@@ -81,17 +91,26 @@ def taylor(state, w3, k, g):
 
 
 def main(target: Path) -> None:
-    """Write the fixtures, with times over 100 nutations of each top."""
+    """Write the fixtures, with times over 100 nutations of each top, or 10 of those with any spin or size.
+    Tops that ``target`` has are kept.
+    """
     from reference.heavy_top import HeavyTop
 
     columns: dict[str, list] = {name: [] for name in ("name", "y0", "I1", "I3", "mgl", "t", "angles")}
-    for number, (name, top) in enumerate(TOPS.items()):
-        nutations = np.sort(np.random.default_rng([2026, number]).uniform(0, 1, 24) * np.logspace(-1, 2, 24))
-        t = HeavyTop(*top).period * np.append(nutations, 100.0)
+    kept = np.load(target) if target.exists() else {"name": []}
+    for number, (name, top) in enumerate((TOPS | ANY_SPIN_OR_SIZE).items()):
+        if name in kept["name"]:
+            row = list(kept["name"]).index(name)
+            for column, values in columns.items():
+                values.append(kept[column][row])
+            continue
+        most = NUTATIONS if name in TOPS else NUTATIONS / 10
+        shares = np.sort(np.random.default_rng([2026, number]).uniform(0, 1, 24) * np.logspace(-3, 0, 24))
+        t = HeavyTop(*top).period * most * np.append(shares, 1.0)
         for column, value in zip(columns.values(), (name, *top, t, rows(*top, t)), strict=True):
             column.append(value)
+        np.savez_compressed(target, **{column: np.array(values) for column, values in columns.items()})
         print(name, flush=True)
-    np.savez_compressed(target, **{name: np.array(values) for name, values in columns.items()})
 
 
 if __name__ == "__main__":

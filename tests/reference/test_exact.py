@@ -16,6 +16,7 @@ from reference import (
     orthonormality_error,
     space_momentum,
 )
+from tests.reference.make_truth import truth
 
 TRUTH = np.load(Path(__file__).parent / "truth.npz")
 FAMILIES = ("generic", "separatrix", "tennis", "near-symmetric", "rod", "near-steady")
@@ -40,6 +41,16 @@ def test_against_sixty_digits_to_a_hundred_million_periods(family):
     chosen = np.random.default_rng().choice(rows, 60, replace=False)
     omega, attitude = errors(chosen)
     assert omega <= 2e-15 and attitude <= 3e-15, chosen.tolist()
+
+
+@pytest.mark.parametrize(("size", "speed"), [(1e100, 1.0), (1e-100, 1.0), (1e150, 1e100), (1e-100, 1e-80)])
+@pytest.mark.parametrize("w0", [(1.0, 0.6, 0.8), (0.2, 0.3, 1.1)], ids=["dual", "direct"])
+def test_a_body_of_any_size_and_speed_against_sixty_digits(w0, size, speed):
+    I, spin = np.array([2.0, 3.0, 4.0]) * size, np.array(w0) * speed
+    t, w, R = truth(I, spin, np.array([0.3, -1.7, 12.9]))
+    sampled = Exact(spin, I).sample(t, orientation=True)
+    assert np.abs(sampled.w.T - w).max() <= 2e-15 * np.linalg.norm(spin)
+    assert np.abs(sampled.R - R).max() <= 3e-15
 
 
 @pytest.mark.parametrize("family", range(6), ids=FAMILIES)

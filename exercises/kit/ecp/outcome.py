@@ -186,7 +186,7 @@ class Outcome:
 @dataclass(frozen=True)
 class SweptPoint:
     """A solver at one tolerance ``rtol``, or a stepper at one ``step``: right-hand side calls, the error of
-    the run (None: it diverged), CPU seconds.
+    the run (None: it diverged or was ``stopped`` at the most calls), CPU seconds.
     """
 
     method: str
@@ -195,15 +195,26 @@ class SweptPoint:
     error: float | None
     seconds: float
     step: float | None = None
+    stopped: bool = False
 
 
 @dataclass
 class SweepResult:
-    """Speed against accuracy of a submission: its points on the motion ``scene``, and a summary line."""
+    """Speed against accuracy of a submission: its points on the motion ``scene``, and what follows from them.
+
+    ``reference`` are the points of the right solution, measured right after, and ``per_call`` the seconds of
+    one call of the submission's function and of the solution's. ``tolerance`` is the check's, ``sensitivity``
+    the motion's κ, and ``closed_form`` the seconds of the exact motion at the exercise's samples.
+    """
 
     scene: str
     points: list[SweptPoint]
     line: str
+    reference: list[SweptPoint] = field(default_factory=list)
+    per_call: list[float] = field(default_factory=list)
+    tolerance: float | None = None
+    sensitivity: float | None = None
+    closed_form: float | None = None
 
 
 @dataclass

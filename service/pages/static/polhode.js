@@ -11,6 +11,7 @@
 //   input[data-token]      is filled with the token of a link to /login#token=…
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
+//   img[data-reload=ID]    is of the part ID, which says more once the image is there
 // Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog, which is help, turns them off.
 
 const KEYS = [["j", "next row"], ["k", "previous row"], ["o or Enter", "open the row"], ["arrows, Home, End", "move between the cells of the class table"],
@@ -146,6 +147,14 @@ function progress(element, event) {
   return true;
 }
 
+// Replace a part by that of the present page. Return the fresh one, null if there is none.
+async function reloadPart(element) {
+  const answer = await fetch(location.href, { headers: { Accept: "text/html" } });
+  const fresh = answer.ok && new DOMParser().parseFromString(await answer.text(), "text/html").getElementById(element.id);
+  if (fresh) replace(element, fresh);
+  return fresh;
+}
+
 function live(element) {
   const stream = new EventSource(element.dataset.live);
   let loading = false, again = false, lost;
@@ -154,9 +163,7 @@ function live(element) {
     if (loading) { again = true; return; }
     loading = true;
     try {
-      const answer = await fetch(location.href, { headers: { Accept: "text/html" } });
-      const fresh = answer.ok && new DOMParser().parseFromString(await answer.text(), "text/html").getElementById(element.id);
-      if (fresh) replace(element, fresh);
+      const fresh = await reloadPart(element);
       if (fresh && !fresh.dataset.live) close();
     } catch { /* the event stream reconnects and triggers the next reload */ }
     loading = false;
@@ -309,6 +316,12 @@ function prepare(root) {
   for (const list of all("[data-rows]", root)) {
     const first = list.querySelector(":scope > tbody > tr, :scope > li");
     if (first && !list.matches("[data-grid]")) first.tabIndex = 0;
+  }
+  for (const image of all("img[data-reload]", root)) {
+    const again = () => { if (image.isConnected) reloadPart(document.getElementById(image.dataset.reload)); };
+    image.addEventListener("load", again);
+    image.addEventListener("error", () => setTimeout(again, 5000));
+    if (image.complete && image.naturalWidth) again();
   }
   const motions = all("canvas[data-motion]", root);
   if (motions.length) import("./player.js").then(player => motions.forEach(player.play));

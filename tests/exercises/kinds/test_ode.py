@@ -7,7 +7,8 @@ from ecp.author_errors import AuthorError
 from exercises.author import Tolerance, uniform
 from exercises.kinds.ode import ode
 from exercises.question_errors import question_errors
-from service.grading import chart_drawing, charts
+from exercises.sweep import compared
+from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.grader import Grader
 from service.grading.submission import Submission
@@ -136,13 +137,10 @@ def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
 def test_speed_against_accuracy_follows_from_a_closed_form(toolbox, sandbox):
     swept = Grader(sandbox).sweep(Submission(right(toolbox)), toolbox.assignment)
     errors = {(p.method, p.rtol): p.error for p in swept.points}
-    assert errors["DOP853", 1e-11] < 1e-9 < errors["DOP853", 1e-3] and "fewest calls" in swept.line
-    chart = chart_drawing.draw_work_precision(
-        charts.load_work_precision(), swept.scene, swept.points
-    ).decode()
-    assert (
-        "yours, DOP853" in chart and "largest error over the run, relative" in chart and "Moser" not in chart
-    )
+    assert errors["DOP853", 1e-11] < 1e-9 < errors["DOP853", 1e-3] and "would do" in swept.line
+    assert len(swept.reference) == len(swept.points) and len(swept.per_call) == 2
+    chart = rendering.draw_sweep(swept).decode()
+    assert ">DOP853<" in chart and ">the solution<" in chart and "largest error over the run" in chart
 
 
 def test_the_sweep_of_a_wrong_function_names_it(toolbox):
@@ -150,7 +148,8 @@ def test_the_sweep_of_a_wrong_function_names_it(toolbox):
     exec(HALVED, names)
     seen = question_of(toolbox, "oscillator").play(names["oscillator"], dict(wanted.scene.inputs), "sweep")
     swept = wanted.read(seen, wanted.scene.truth(dict(wanted.scene.inputs)))
-    assert min(p.error for p in swept.points) > 1e-2 and "check oscillator" in swept.line
+    swept = compared(swept, None, wanted, "oscillator")
+    assert min(p.error for p in swept.points) > 1e-2 and "check oscillator first" in swept.line
 
 
 def test_speed_against_accuracy_follows_from_the_truth_too_where_there_is_no_closed_form(toolbox, sandbox):

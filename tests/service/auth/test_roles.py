@@ -27,7 +27,7 @@ OPEN = {
     "/oidc/login",
     "/oidc/callback",
     "/reference",
-    "/reference/{kind}/{number}.svg",
+    "/reference/{kind}-{number}.svg",
 }
 LEAST = {roles.current_user: "student", roles.staff: "assistant", roles.instructor: "instructor"}
 

@@ -35,7 +35,6 @@ WRONG = [
     (["roster", "people.csv", "--days", "9"], {}, "give the file --tokens TOKENS.csv too"),
     (["mutants", "--most", "0"], {}, "expected at least 1"),
     (["worker", "--slots", "0"], {}, "expected at least 1"),
-    (["chart", "stability", "--scene", "foo"], {}, "no scene matches foo; available: energy drifts, "),
 ]
 # These open logs and handle signals first, which is for a process of their own.
 WRONG_FOR_LONG = [

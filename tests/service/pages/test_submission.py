@@ -557,10 +557,12 @@ def test_speed_vs_accuracy_is_offered_where_it_can_be_measured(server, ann, url,
         for one in (measured, raises, other)
     ]
     assert offered == [True, False, False]
+    waiting = page(server, ann, measured)
+    assert 'data-reload="speed"' in waiting and "Being measured while a worker is idle" in waiting
     grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", measured["id"])[0][0]
     run(url, lambda database: store_artefacts(database, grading, {sweeps.REFUSED: b"<b> took too long"}))
     shown = page(server, ann, measured)
-    assert "could not be measured: &lt;b&gt; took too long." in shown and "sweep.svg" not in shown
+    assert "Could not be measured: &lt;b&gt; took too long." in shown and "sweep.svg" not in shown
 
 
 def test_a_strangers_text_stays_text(server, url, send):

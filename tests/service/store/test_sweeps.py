@@ -64,3 +64,25 @@ def test_lost_runs_are_repeated_up_to_a_limit_whatever_the_version(database_url,
         if version != "present":
             monkeypatch.setattr(sweeps.metadata, "version", lambda name: "99.0")
         assert "3 runs failed or were lost" in request(database_url, grading) and queued(database_url) == 0
+
+
+def test_a_sweep_that_gave_way_is_queued_again_and_does_not_count(database_url, grading):
+    for _ in range(sweeps.MOST_RUNS + 2):
+        number = run(database_url, lambda database: sweeps.begin(database, grading))
+        assert number == 1
+        run(database_url, lambda database, number=number: sweeps.put_back(database, grading, number))
+        assert sql(database_url, "SELECT priority FROM procrastinate_jobs WHERE task_name = 'sweep'") == [
+            (-1000,)
+        ]
+        assert queued(database_url) == 1
+
+
+def test_how_a_sweep_ended(database_url, grading):
+    def ended():
+        return run(database_url, lambda database: sweeps.ending(database, grading))
+
+    assert ended() is None
+    store(database_url, grading, sweeps.fault(1, "OverflowError: too large"))
+    assert ended() == (sweeps.FAULT, "OverflowError: too large")
+    store(database_url, grading, {sweeps.SWEPT: b"{}"})
+    assert ended() == (sweeps.SWEPT, "{}")

@@ -173,6 +173,7 @@ def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_
 @pytest.mark.slow
 def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(database_url, sandbox):
     _, grading = submitted(database_url, source="x = 1")
+    sql(database_url, "DELETE FROM procrastinate_jobs")  # a sweep gives way to a grading that waits
     sandbox.close()  # a guest ends with the thread that started it, here another worker's
 
     async def swept(database):
@@ -186,6 +187,35 @@ def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(databas
     sandbox.close()
     assert fault is None and b"euler_eqs is not defined" in reason
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
+
+
+@pytest.mark.slow
+def test_a_sweep_gives_way_to_a_grading_and_is_measured_later(database_url, sandbox):
+    _, grading = submitted(
+        database_url, source="def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
+    )
+    sandbox.close()
+    grades = "procrastinate_jobs WHERE task_name = 'grade' AND status = 'todo'"
+    assert sql(database_url, f"SELECT count(*) FROM {grades}") == [(1,)]
+
+    async def swept(database):
+        found = []
+        async with worker_on(database_url, Grader(sandbox)) as worker:
+            for _ in range(2):
+                await worker._sweep(str(grading))
+                found.append(await sweeps.ending(database, grading))
+                async with database.begin() as connection:
+                    await connection.execute(f"DELETE FROM {grades}")
+        return found
+
+    gave_way, measured = run(database_url, swept)
+    sandbox.close()
+    assert gave_way is None and measured[0] == sweeps.SWEPT
+    assert sql(database_url, "SELECT priority FROM procrastinate_jobs WHERE task_name = 'sweep'") == [
+        (-1000,)
+    ]
+    runs = "SELECT name FROM grading_artefact WHERE name LIKE 'sweep.run._'"
+    assert sql(database_url, runs) == [("sweep.run.1",)], "the run that gave way does not count"
 
 
 async def _stubborn(grading):

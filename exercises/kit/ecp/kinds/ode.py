@@ -4,7 +4,6 @@ Part "motion": the motion from each row's state at t = 0, the quantities that it
 "sweep": one motion by several solvers and tolerances, with calls and seconds.
 """
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -17,7 +16,7 @@ from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.draw import legend_above
 from ecp.exercise import Figure
-from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate, returning, solve_ivp
+from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
 from ecp.judge import Judgement
 from ecp.kinds.asking import (
     arguments,
@@ -34,9 +33,9 @@ from ecp.kinds.asking import (
 from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 from ecp.return_value import WrongAnswer
+from ecp.timing import seconds_of_a_call, timed_runs
 
 RTOL, TIMES = 1e-11, 201
-TIMED = 500
 
 
 def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -56,30 +55,20 @@ def _motion(
 
 
 def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row's motion with each of the settings, the calls and seconds it took, and the seconds of one
-    call.
+    """Return a row's motion with each of the settings, the calls and CPU seconds it took, and the seconds of
+    one call.
     """
-    given, t, runs, each = arguments(question, row), times(question), [], []
-    for solver, rtol in question["settings"]:
-        motion, calls, began = (
-            np.full((np.size(given[question["state"]]), TIMES), np.nan),
-            [0],
-            time.perf_counter(),
-        )
-        start, rates, atol = _driven(question, student, row, rtol, calls)
-        try:
-            run = solve_ivp()(
-                returning(rates), (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol
-            )
-            motion[:, : run.y.shape[1]] = run.y
-        except WrongAnswer:
-            pass  # this setting stalls; others may not
-        runs.append({"motion": motion, "calls": float(calls[0]), "seconds": time.perf_counter() - began})
-    for _ in range(TIMED):
-        began = time.perf_counter()
-        student[question["function"]](*given.values())
-        each.append(time.perf_counter() - began)
-    return stacked(runs) | {"per_call": np.median(each)}
+    given = arguments(question, row)
+    per_call = seconds_of_a_call(lambda: student[question["function"]](*given.values()))
+
+    def begin() -> tuple[Array, Rates, list[int]]:
+        calls = [0]
+        return *_driven(question, student, row, RTOL, calls)[:2], calls
+
+    settings, most = question["settings"], question["most_calls"]
+    runs = timed_runs(begin, times(question), settings, question["scale"], most)
+    found = [{"motion": run.states, "calls": float(run.calls), "seconds": run.seconds} for run in runs]
+    return stacked(found) | {"per_call": np.array(per_call)}
 
 
 def _driven(

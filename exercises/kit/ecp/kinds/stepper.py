@@ -6,10 +6,10 @@ largest step for which the test problem does not grow. Part "sweep": one motion 
 CHARTED numbers of steps, with calls and seconds.
 """
 
-import time
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from time import thread_time
 from typing import Any
 
 import numpy as np
@@ -117,8 +117,8 @@ def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
 def _timed_run(
     method: Mapping[str, Any], student: Mapping[str, Any], steps: int
 ) -> tuple[Array, float, float]:
-    """Return the last state (d,) of a run to ``chart``, the calls of the function argument, and the seconds
-    in the student's function.
+    """Return the last state (d,) of a run to ``chart``, the calls of the function argument, and the CPU
+    seconds in the student's function.
     """
     given, names, calls, seconds = arguments(method, {}), list(method["state"].values()), 0, 0.0
     start, h, end = (
@@ -133,9 +133,9 @@ def _timed_run(
                 {method["time"]: start + k * h} if method["time"] in given else {}
             )
             restart(given)
-            values, began = list(given.values()), time.perf_counter()
+            values, began = list(given.values()), thread_time()
             answer = student[method["function"]](*values)
-            seconds += time.perf_counter() - began
+            seconds += thread_time() - began
             calls += counted.calls
             given = _after(method, given, answer)
         end = flat(names, given)

@@ -35,7 +35,8 @@ class Given:
         bound = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         bound |= {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
         self._own = {*bound, *asked}
-        packages = {getattr(value, "__module__", "").partition(".")[0] for value in self._imports.values()}
+        packages = {"ast"}  # which runs the cells
+        packages |= {getattr(value, "__module__", "").partition(".")[0] for value in self._imports.values()}
         packages |= {
             value.__name__.partition(".")[0] for value in self._imports.values() if _is_module(value)
         }
@@ -65,6 +66,8 @@ class Given:
         """Let a given cell that runs in ``names`` inside the ``with`` block find everything unchanged, and
         the submission its own changes afterwards. Then ``changed`` says what its code changed meanwhile.
         """
+        sys.settrace(None)
+        sys.setprofile(None)
         theirs = self._restore()
         hidden = self._shown(names)
         try:
@@ -113,13 +116,15 @@ class Given:
                     with suppress(TypeError, AttributeError):
                         setattr(one, key, value)
                         found.append((f"{one.__name__}.{key}", one, key, other))
-        for one, code in self._functions:
-            if any(a is not b for a, b in zip(_code(one), code, strict=True)):
+        for function, code in self._functions:
+            present = _code(function)
+            if any(a is not b for a, b in zip(present, code, strict=True)):
                 found += [
-                    (one.__name__, one, key, value) for key, value in zip(CODE, _code(one), strict=True)
+                    (function.__name__, function, key, value)
+                    for key, value in zip(CODE, present, strict=True)
                 ]
                 for key, value in zip(CODE, code, strict=True):
-                    setattr(one, key, value)
+                    setattr(function, key, value)
         return found
 
 
@@ -139,7 +144,9 @@ def _imported(nodes: Sequence[ast.AST]) -> Names:
     """Return what import statements bind, by name, as far as it can be imported."""
     found = Names()
     for node in nodes:
-        for alias in node.names if isinstance(node, ast.Import | ast.ImportFrom) else ():
+        if not isinstance(node, ast.Import | ast.ImportFrom):
+            continue
+        for alias in node.names:
             with suppress(Exception):  # what fails here fails in the cell too
                 if isinstance(node, ast.Import):
                     module = importlib.import_module(alias.name)

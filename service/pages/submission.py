@@ -4,6 +4,7 @@ import asyncio
 import json
 from collections.abc import Callable, Sequence
 from typing import Any
+from urllib.parse import quote
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
@@ -59,6 +60,14 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
     return templates.TemplateResponse(request, "report.html", context | given)
 
 
+@router.get("/submissions/{id}/source")
+async def download_source(person: CurrentUser, stored: Submission) -> Response:
+    """Return the graded source as a file with its name."""
+    named = f"attachment; filename*=UTF-8''{quote(stored.submission.filename, safe='')}"
+    headers = {"Content-Disposition": named, "Cache-Control": "private, no-cache"}
+    return Response(stored.submission.source, media_type="text/plain; charset=utf-8", headers=headers)
+
+
 @router.get("/submissions/{id}/diff", response_class=HTMLResponse)
 async def changes(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show the changes of the source since the student's previous submission."""
@@ -106,6 +115,7 @@ def _shown(
         "cause_block": lambda cause: _markup(report_html.cause_block)(
             cause, source=address(cause.line), links=True
         ),
+        "failure_block": _markup(report_html.failure_block),
         "outcome_item": _markup(report_html.outcome_item),
         "check_item": _markup(report_html.item),
         "judged": lambda outcome: _judged(outcome, report.scene_ends),

@@ -186,6 +186,15 @@ class Assignment:
         """Return the checks of all exercises in order."""
         return [c for e in self.exercises for c in e.checks]
 
+    def tested_function(self, check: str) -> str:
+        """Return the function that the check of that id tests. Raises StopIteration if there is no check."""
+        return self.scene(next(c.scenes[0] for c in self.checks() if c.id == check)).function
+
+    def expected_checks(self, exercise: Exercise) -> list[Check]:
+        """Return the checks of an exercise without those of its optional functions."""
+        asked = {f for e in self.exercises for f in e.functions} - set(exercise.optional)
+        return exercise.applicable_checks(asked, self.names)
+
     def max_points(self, numbers: Collection[str] | None = None, written: Collection[str] = ()) -> int:
         """Return the points of the exercises ``numbers`` (default: all), without those of optional functions
         that are not ``written``.
@@ -201,9 +210,14 @@ class Assignment:
         return sum(check.points for check in chosen) - self.max_points(numbers)
 
     @cached_property
+    def most_points(self) -> int:
+        """Return the points of all exercises, without those of optional functions."""
+        return self.max_points()
+
+    @cached_property
     def out_of(self) -> str:
         """Return the points of the assignment, with those of optional functions apart: "36 + 6 bonus"."""
-        return out_of(self.max_points(), self.bonus_points())
+        return out_of(self.most_points, self.bonus_points())
 
     def names(self, scene: str) -> set[str]:
         """Return the names of a submission that a scene, and those it comes after,

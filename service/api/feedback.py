@@ -6,10 +6,10 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, Field, StringConstraints
 
+from ecp.student_line import BREAK
 from service.api import answers
 from service.api.submissions import Assigned, Submission
 from service.auth.identity import STAFF, Person, Reader, Submitter
-from service.grading.submission import BREAK
 from service.http.errors import Problem
 from service.http.openapi import PERSON, problems
 from service.http.requests import SmallBody, identifier

@@ -5,6 +5,7 @@ figures, or else on the first request for an unstored picture.
 import asyncio
 import contextlib
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from exercises.catalogue import assignments
@@ -45,15 +46,16 @@ class Renderer:
         with contextlib.suppress(RenderFailed, SystemFault):  # the first figure reports it
             await self._call(rendering.prepare, slug)
 
-    async def figure(self, stored: SubmissionRecord, name: str, packed: bytes, form: str) -> bytes:
-        """Return a figure of a graded submission as PNG or SVG.
+    async def figure(
+        self, stored: SubmissionRecord, name: str, packed: bytes, form: str, *, narrow: bool = False
+    ) -> bytes:
+        """Return a figure of a graded submission as PNG or SVG, with its panels stacked if it is ``narrow``.
 
         Raises ArithmeticError or ValueError if its numbers cannot be drawn.
         """
-        key = stored.grading, name, form
-        return await self._shared(
-            key, rendering.draw_stored, stored.assignment, name, packed, stored.seed, form
-        )
+        key = stored.grading, name, form, narrow
+        draw = partial(rendering.draw_stored, narrow=narrow)
+        return await self._shared(key, draw, stored.assignment, name, packed, stored.seed, form)
 
     async def chart(self, kind: str, number: int) -> bytes:
         """Return a chart of the reference methods as SVG, rendered once per server process."""

@@ -38,16 +38,20 @@ async def figure(
     request: Request,
     database: Db,
     renderer: Held[Renderer],
+    narrow: bool = False,
 ) -> Response:
-    """Return a figure of the report; render it on the first request and store it."""
+    """Return a figure of the report; render it on the first request and store it. A ``narrow`` one has its
+    panels one below the other.
+    """
     names = {f.name for f in stored.report.figures} if stored.report else set()
     if name not in names or find_figure(await find_assignment(stored.assignment), name) is None:
         raise Problem(404, "not-found", f"the report has no figure {name[:80]}: check the address")
 
     async def render(packed: bytes) -> bytes:
-        return await renderer.figure(stored, name, packed, form)
+        return await renderer.figure(stored, name, packed, form, narrow=narrow)
 
-    return await cached_artefact(request, database, stored, f"figures/{name}.{form}", FORMATS[form], render)
+    stored_as = f"figures/{name}{'-narrow' if narrow else ''}.{form}"
+    return await cached_artefact(request, database, stored, stored_as, FORMATS[form], render)
 
 
 async def cached_artefact(

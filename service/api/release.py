@@ -21,6 +21,7 @@ SCORES: dict[str, Any] = {
     "max_score": None,
     "total": None,
     "points": None,
+    "final": None,
     "penalty": 0,
     "overridden": False,
 }
@@ -62,6 +63,7 @@ def _without_details(report: Report) -> Report:
         replace(e, outcomes=[_without_numbers(o) if o.hidden else o for o in e.outcomes])
         for e in report.exercises
     ]
+    stated = {d.sentence for e in exercises for o in e.outcomes for d in o.diagnosis}
     figures, animations = pictures(assignment.exercises, public) if assignment else ([], [])
     shown = {picture.name for picture in (*figures, *animations)}
     return replace(
@@ -71,6 +73,7 @@ def _without_details(report: Report) -> Report:
         figures=[one for one in report.figures if one.name in shown],
         animations=[one for one in report.animations if one.name in shown],
         scene_ends=[end for end in report.scene_ends if end.scene in public],
+        suspect_lines=[line for line in report.suspect_lines if line.about in stated],
         stdout="",
         sweep=None,
     )

@@ -10,7 +10,7 @@ from dataclasses import replace
 from html import escape
 from typing import Any
 
-from ecp import grouped
+from ecp import cause, grouped
 from ecp.judge import Verdict
 from ecp.outcome import ExerciseReport, Outcome, Picture
 from ecp.report import Report
@@ -79,7 +79,7 @@ def _causes(report: Report, hidden: str) -> str:
         replace(e, outcomes=[o for o in e.outcomes if hidden == VISIBLE or not o.hidden])
         for e in report.exercises
     ]
-    return grouped.text(grouped.causes(shown, report.scene_ends))
+    return cause.text(grouped.overview(shown, report.scene_ends, report.suspect_lines).causes)
 
 
 def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) -> Iterator[dict[str, Any]]:
@@ -107,7 +107,7 @@ def _tags(exercise: ExerciseReport, outcome: Outcome) -> list[str]:
         + ["not counted"] * (not outcome.counted)
         + ["self-reported"] * outcome.self_reported
     )
-    return [f"exercise {exercise.number}", *kinds, *(one_line(cause.code) for cause in causes)]
+    return [f"exercise {exercise.number}", *kinds, *(one_line(one.code) for one in causes)]
 
 
 def _failed(name: str, output: str) -> dict[str, Any]:

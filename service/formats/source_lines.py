@@ -14,10 +14,11 @@ from typing import Any, cast
 
 from ecp.notebook.outputs import is_notebook
 from ecp.outcome import Outcome
+from ecp.student_line import BREAK
 from exercises.assignment import Assignment
 from service.formats.check_text import stopped_by
 from service.grading.result import GradedFile
-from service.grading.submission import BREAK, PYTHON_FILE, source_locations
+from service.grading.submission import PYTHON_FILE, source_locations
 
 Numbered = list[tuple[int, str]]
 """The lines of a cell, each with its number in the file."""

@@ -5,6 +5,7 @@ import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from ecp.cause import suspect_lines
 from ecp.checks import Arrays
 from ecp.claims import Claim, NotebookCheck
 from ecp.exercise import Exercise, attempted
@@ -94,6 +95,7 @@ def _grade(
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}
     figures, animations = pictures(covered, shown)
+    cells = [(cell.name, cell.source) for cell in submission.cells()]
     numbers = [e.number for e in asked]
     report = Report(
         assignment=assignment.slug,
@@ -102,6 +104,7 @@ def _grade(
         figures=figures,
         animations=animations,
         scene_ends=[*result.cells.values(), *(e for e in result.scene_ends.values() if e.scene in reported)],
+        suspect_lines=suspect_lines(sections, assignment.tested_function, lambda name: cells),
         stdout=result.stdout,
         notebook_checks=_notebook_checks(result),
         provenance=Provenance(

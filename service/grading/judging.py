@@ -27,6 +27,7 @@ def judge(
     ``remarks`` are those on the outcomes of a scene.
     """
     outcomes, result, said = [], played.result, set[str]()
+    expected = assignment.expected_checks(exercise)
     for check in exercise.applicable_checks(result.written, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
@@ -34,7 +35,7 @@ def judge(
             outcome.diagnosis = [Diagnosis(absent.code, absent.sentence, 1.0)] if absent.code else []
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = diagnose_failure(scenes, result, causes)
-        outcome.hidden = assignment.hidden(check)
+        outcome.hidden, outcome.bonus = assignment.hidden(check), check not in expected
         outcome.remarks = [remark for name in check.scenes[:1] for remark in remarks.get(name, [])]
         noted = [result.noted(name) for s in scenes for name in (s.name, s.after)]
         outcome.remarks += unsaid(noted, said)

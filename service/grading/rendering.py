@@ -63,13 +63,21 @@ def find(assignment: Assignment, name: str) -> Figure | None:
     return next((f for e in assignment.exercises for f in e.figures if f.name == name), None)
 
 
-def draw(assignment: Assignment, figure: Figure, arrays: Mapping[str, Arrays], seed: int, form: str) -> bytes:
+def draw(
+    assignment: Assignment,
+    figure: Figure,
+    arrays: Mapping[str, Arrays],
+    seed: int,
+    form: str,
+    *,
+    narrow: bool = False,
+) -> bytes:
     """Draw a figure from a submission's arrays and the exact motion, as ``form`` ("png" or "svg")."""
     scenes = [assignment.scene(name) for name in figure.scenes]
     with author_errors(assignment):
         exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
     with author_errors(assignment, numbers=True):
-        return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form)
+        return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form, narrow=narrow)
 
 
 def prepare(slug: str) -> None:
@@ -81,7 +89,9 @@ def prepare(slug: str) -> None:
     find_assignment(slug)
 
 
-def draw_stored(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
+def draw_stored(
+    slug: str, figure: str, packed: bytes, seed: int, form: str, *, narrow: bool = False
+) -> bytes:
     """Draw a figure of a graded submission from its ``packed`` arrays. Raises KeyError if there is no such
     figure, SystemFault.
     """
@@ -89,7 +99,7 @@ def draw_stored(slug: str, figure: str, packed: bytes, seed: int, form: str) -> 
     declared = find(assignment, figure)
     if declared is None:
         raise KeyError(figure)
-    return draw(assignment, declared, unpack(packed), seed, form)
+    return draw(assignment, declared, unpack(packed), seed, form, narrow=narrow)
 
 
 def draw_chart(kind: str, number: int) -> bytes:

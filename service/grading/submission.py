@@ -5,13 +5,13 @@
 import hashlib
 import json
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from ecp.notebook.outputs import is_notebook, strip_outputs
-from ecp.outcome import FRAME, SceneEnd
+from ecp.outcome import SceneEnd
+from ecp.student_line import FRAME
 from service.sandbox.job import Cell
 
 KIB, MIB = 2**10, 2**20
@@ -184,9 +184,6 @@ def _notebook_cells(source: str) -> tuple[Cell, ...]:
 
 def _text(source: str | list[str]) -> str:
     return source if isinstance(source, str) else "".join(source)
-
-
-BREAK = re.compile(r"\r\n|\r|\n")  # Python's line breaks; a form feed, for example, is none
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,12 @@
 
 import difflib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ecp.outcome import SceneEnd
-from service.grading.submission import BREAK, SourceLocation, Submission, source_locations
+from ecp.report import Report
+from ecp.student_line import BREAK
+from service.grading.submission import SourceLocation, Submission, source_locations
 from service.sandbox.untrusted_text import text
 from service.store.course.comments import Comment
 
@@ -18,13 +19,18 @@ SIGNS = {"same": " ", "gone": "−", "new": "+"}
 
 @dataclass(frozen=True)
 class Mark:
-    """Why a line is marked: it raised the error of scene end number ``scene_end`` (``raised``), or
-    called the code that did.
+    """Why a line is marked, in ``words``, with the ``address`` of what the page says about it.
+
+    ``kind`` is "failing" for a line that raised, "caller" for one that called it, and "suspect" for one that
+    a cause is about.
     """
 
-    scene_end: int
-    raised: bool
-    sentence: str
+    kind: str
+    words: str
+    address: str
+
+
+Marks = Mapping[SourceLocation, list[Mark]]
 
 
 @dataclass(frozen=True)
@@ -50,16 +56,12 @@ class ShownCell:
     left_out: int
 
 
-def cells(
-    submission: Submission, scene_ends: Sequence[SceneEnd], comments: Iterable[Comment] = ()
-) -> list[ShownCell]:
-    """Return the cells with their lines, marked from the tracebacks of ``scene_ends`` and with the
-    ``comments`` on them.
+def cells(submission: Submission, marks: Marks, comments: Iterable[Comment] = ()) -> list[ShownCell]:
+    """Return the cells with their lines, with the ``marks`` and ``comments`` on them.
 
     The cells have at most MOST_LINES lines in total, or more if needed to reach the last line with a mark or
     comment.
     """
-    marks = _marks(scene_ends)
     commented: dict[tuple[int, int], list[Comment]] = {}
     for one in comments:
         commented.setdefault((one.cell, one.line), []).append(one)
@@ -83,14 +85,28 @@ def split(source: str) -> list[str]:
     return text(plain, len(plain)).removesuffix("\n").split("\n")
 
 
-def _marks(scene_ends: Iterable[SceneEnd]) -> dict[SourceLocation, list[Mark]]:
-    marks: dict[SourceLocation, list[Mark]] = {}
-    for number, scene_end in enumerate(scene_ends):
-        for depth, place in enumerate(reversed(source_locations(scene_end))):
-            marked = marks.setdefault(place, [])
-            if all((mark.sentence, mark.raised) != (scene_end.sentence, depth == 0) for mark in marked):
-                marked.append(Mark(number, depth == 0, scene_end.sentence))
-    return marks
+def marks(report: Report) -> Marks:
+    """Return the marks of a report: where code raised, who called it, and the lines that causes are about.
+
+    An error that a cause of the report states has the address of the cause, another that of its scene end.
+    """
+    found: dict[SourceLocation, list[Mark]] = {}
+    causes = report.overview().causes
+    ends = [(cause.scene_end, f"#cause-{cause.number}", "") for cause in causes if cause.scene_end]
+    ends += [(end, f"#end-{number}", f": {end.sentence}") for number, end in enumerate(report.stops())]
+    for end, address, said in ends:
+        for depth, place in enumerate(reversed(source_locations(end))):
+            kind, words = ("caller", "called from here") if depth else ("failing", "raised here")
+            mark = Mark(kind, words + said, address)
+            if mark not in found.setdefault(place, []):
+                found[place].append(mark)
+    for cause in causes:
+        if cause.line is not None and cause.scene_end is None:
+            place = SourceLocation(cause.line.cell, cause.line.number)
+            found.setdefault(place, []).append(
+                Mark("suspect", f"cause {cause.number}", f"#cause-{cause.number}")
+            )
+    return found
 
 
 def _last_marked(marks: Iterable[SourceLocation], cell: str) -> int:

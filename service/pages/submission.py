@@ -8,11 +8,12 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
-from ecp import grouped, report_html
+from ecp import report_html
 from ecp.exercise import Motion
 from ecp.judge import Verdict
 from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
+from ecp.student_line import StudentLine
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.api.figures import cached_artefact
@@ -21,11 +22,11 @@ from service.api.submissions import Submission
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
 from service.grading import motion_data, rendering, result
-from service.grading.submission import source_locations
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
+from service.pages import report_summary
+from service.pages.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
 from service.store import records, sweeps
 from service.store.artefacts import find_artefact
 from service.store.course import comments, overrides, regrade_requests
@@ -41,15 +42,15 @@ PATH = "/submissions/{id}"
 async def report(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show one submission. Staff see more details of the grading than the student."""
     commented = await comments.of_submission(database, stored.id)
+    rows = [visible_row(person, row) for row in await timeline(database, stored.person, stored.assignment)]
     context = await asyncio.to_thread(_report_context, stored, commented) | {
         "stored": stored,
         "comments": commented,
         "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
-        "timeline": [
-            visible_row(person, row) for row in await timeline(database, stored.person, stored.assignment)
-        ],
+        "timeline": rows,
+        "standing": report_summary.standing(stored, rows),
     }
     refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
     context["sweep_refused"] = refused[0].decode() if refused else ""
@@ -71,33 +72,42 @@ async def changes(request: Request, person: CurrentUser, stored: Submission, dat
 
 def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comment]) -> dict[str, Any]:
     """Return the part of the context that is slow to compute: source lines, failing lines and motions."""
-    scene_ends, stops = (stored.report.scene_ends, stored.report.stops()) if stored.report else ([], [])
-    shown = cells(stored.submission, stops, commented)
-    places = {cell.name: cell.place for cell in shown}
     assignment, report = assignments().get(stored.assignment), stored.report
-    return {
+    shown = cells(stored.submission, marks(report) if report else {}, commented)
+    context = {
         "title": assignment.title if assignment else stored.assignment,
+        "most": assignment.most_points if assignment else report and report.total,
         "out_of": assignment.out_of if assignment else report and report.out_of,
         "cells": shown,
         "lines": sum(len(cell.lines) for cell in shown),
-        "stops": [
-            (
-                number,
-                scene_end,
-                [(places[p.cell], p) for p in source_locations(scene_end) if p.cell in places],
-            )
-            for number, scene_end in enumerate(stops)
-        ],
-        "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
-        "sweeps": assignment is not None
-        and stored.report is not None
-        and _is_measurable(assignment, stored.report),
-        "cause_numbers": grouped.numbers,
-        "causes_header": grouped.header,
-        "cause_list": _markup(report_html.cause_list),
+        "sweeps": assignment is not None and report is not None and _is_measurable(assignment, report),
+    }
+    return context if report is None else context | _shown(stored, report, assignment, shown)
+
+
+def _shown(
+    stored: SubmissionRecord, report: Report, assignment: Assignment | None, source: Sequence[ShownCell]
+) -> dict[str, Any]:
+    """Return the part of the context that is about the report."""
+    seen, motions = report.overview(), playable_motions(assignment, report) if assignment else {}
+    places = {cell.name: cell.place for cell in source}
+
+    def address(line: StudentLine | None) -> str:
+        return f"#line-{places[line.cell]}-{line.number}" if line and line.cell in places else ""
+
+    return {
+        "seen": seen,
+        "motions": motions,
+        "beside": report_summary.beside(assignment, report, motions) if assignment else None,
+        "chips": report_summary.chips(assignment, report),
+        "points_shown": report_summary.points(assignment, report, stored),
+        "stops": report.stops(),
+        "cause_block": lambda cause: _markup(report_html.cause_block)(
+            cause, source=address(cause.line), links=True
+        ),
         "outcome_item": _markup(report_html.outcome_item),
         "check_item": _markup(report_html.item),
-        "judged": lambda outcome: _judged(outcome, scene_ends),
+        "judged": lambda outcome: _judged(outcome, report.scene_ends),
     }
 
 

@@ -7,7 +7,7 @@ from uuid import UUID
 
 from service.formats.grade_row import whole
 from service.store.database import Database, Row
-from service.store.records import LATE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
+from service.store.records import FINAL, LATE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
 
 MOST = 100
 
@@ -46,7 +46,8 @@ class PastSubmission:
 async def timeline(database: Database, person: str, slug: str) -> Sequence[Row]:
     """Return the person's latest MOST submissions to an assignment, newest first, without their sources.
 
-    ``points`` is None without a report; ``before`` is the id of the preceding submission.
+    ``points``, and ``final`` after the late penalty, are None without a report; ``before`` is the id of the
+    preceding submission.
     """
     return await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})
 
@@ -96,9 +97,10 @@ WITH s AS (
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
     WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
 )
-SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, shown.total,
-    {SCORES_RELEASED}, {STATUS}, s.before
-FROM s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
+SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, {FINAL} AS final, shown.max_score,
+    shown.total, {SCORES_RELEASED}, {STATUS}, s.before
+FROM s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} LEFT JOIN {PENALTY}
+ORDER BY s.submitted_at DESC, s.id DESC
 """
 
 _BEFORE = """

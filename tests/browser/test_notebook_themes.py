@@ -4,7 +4,7 @@ names none.
 
 import pytest
 
-from ecp.report_html import fragment
+from ecp.report_style import fragment
 
 pytestmark = pytest.mark.slow
 LIGHT, DARK = "rgb(0, 103, 76)", "rgb(79, 209, 165)"
@@ -25,10 +25,10 @@ FRONT_ENDS = {
 @pytest.mark.parametrize("system", ["light", "dark"])
 def test_a_report_has_the_colours_of_its_front_end(page, system):
     page = page(color_scheme=system)
-    shown = fragment('<ul><li class="pass"><span class="line">✓  a check</span></li></ul>')
+    shown = fragment('<ul><li class="pass"><span class="mark">✓</span> a check</li></ul>')
     found = {}
     for name, (start, _) in FRONT_ENDS.items():
         page.set_content(f"<!doctype html>{start}{shown}")
-        found[name] = page.locator(".line").evaluate("line => getComputedStyle(line).color")
+        found[name] = page.locator(".mark").evaluate("mark => getComputedStyle(mark).color")
     of_system = DARK if system == "dark" else LIGHT
     assert found == {name: colour or of_system for name, (_, colour) in FRONT_ENDS.items()}

@@ -171,4 +171,4 @@ def test_the_checks_of_a_cell_are_those_of_the_server(python, pyodide):
     if not pyodide[1]:
         pytest.skip("npm's Pyodide has no numpy: name a folder with a complete Pyodide in POLHODE_PYODIDE")
     assert python("wait", 'ecp.check("2").summary()') == "3 of 3 public checks ✓"
-    assert python("wait", "ecp.submit(euler_eqs).summary()").startswith("5 of 36 + 6 bonus points")
+    assert python("wait", "ecp.submit(euler_eqs).summary()").startswith("5 of 36, +0 of 6 bonus points")

@@ -60,9 +60,9 @@ def test_an_exercise_that_a_failure_prevents_is_attempted_and_names_the_failure(
 
 
 def test_the_failure_is_the_named_cause_of_all_that_follow_from_it(prevented):
-    (cause,) = prevented.causes()
+    (cause,) = prevented.overview().causes
     assert cause.diagnosis.sentence.startswith(IMPORT) and set(cause.explains) == {"1", "4"}
-    assert cause.raised_at == "cell 2, line 1: import seaborn"
+    assert str(cause.line) == "cell 2, line 1: import seaborn"
     text = prevented.text()
     assert text.startswith("One cause explains ")
     assert text.count("No module named 'seaborn'") == 3  # the cause, the heading of the traceback, its end
@@ -98,7 +98,7 @@ def test_gradescope_gets_no_causes_of_checks_that_it_hides(prevented, rigid_body
 
 def test_an_exercise_that_fails_for_itself_blames_no_other_cell(report_of):
     report = report_of("import numpy as np\nimport seaborn", EULER.replace("np.cross", "cross"), MOMENTS)
-    sentences = {cause.diagnosis.sentence for cause in report.causes()}
+    sentences = {cause.diagnosis.sentence for cause in report.overview().causes}
     assert "NameError: name 'cross' is not defined" in sentences
     assert not any("seaborn" in sentence for sentence in sentences)
 
@@ -107,9 +107,9 @@ def test_a_name_error_in_a_function_names_the_cell_that_was_to_define_it(report_
     report = report_of(
         "import seaborn as sb\nfactor = 1.0\n", EULER.replace("/ I", "/ I * factor"), numbers=["2"]
     )
-    (cause,) = report.causes()
+    (cause,) = report.overview().causes
     assert cause.diagnosis.sentence.startswith("cell 1 stopped: ModuleNotFoundError: No module named 'sea")
-    assert cause.raised_at.startswith("cell 2, line ") and len(cause.outcomes()) == 5
+    assert str(cause.line).startswith("cell 2, line ") and len(cause.outcomes()) == 5
     ends = [end for end in report.scene_ends if end.because]
     assert ends and all(end.sentence == f"`factor` is missing because {end.because}" for end in ends)
 
@@ -130,16 +130,16 @@ def test_a_failure_elsewhere_makes_no_empty_function_attempted(report_of):
 
 def test_what_python_cannot_compile_is_the_cause_too(report_of):
     report = report_of("import numpy as np", "def euler_eqs(t, w, I):\n    return w\n    *I\n", numbers=["2"])
-    (cause,) = report.causes()
+    (cause,) = report.overview().causes
     assert cause.diagnosis.sentence.startswith("cell 2 stopped: SyntaxError: can't use starred expression")
-    assert cause.raised_at == "cell 2, line 3: *I"
+    assert str(cause.line) == "cell 2, line 3: *I"
 
 
 def test_a_python_file_that_cannot_be_read_has_one_cause(report_of):
     report = report_of(f"{EULER}{RATE}{MOMENTS}{BOX}x = (1\n")
-    (cause,) = report.causes()
+    (cause,) = report.overview().causes
     assert cause.diagnosis.sentence.startswith("submission.py stopped: SyntaxError: '(' was never closed")
-    assert cause.raised_at == "submission.py, line 10: x = (1" and cause.diagnosis.code == "syntax-error"
+    assert str(cause.line) == "submission.py, line 10: x = (1" and cause.diagnosis.code == "syntax-error"
     assert report.not_attempted == ["6"] and len(cause.outcomes()) == len(report.outcomes())
     assert {end.ended for end in report.scene_ends[1:]} <= {Ended.MISSING, Ended.NOT_PLAYED}
 

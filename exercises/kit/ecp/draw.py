@@ -27,8 +27,13 @@ def arrow(ax: Any, tip: ArrayLike, **style: Any) -> Any:
 
 
 def legend_above(ax: Any, columns: int = 4) -> None:
-    """Put the legend of ``ax`` above it, where it covers no data; a title goes above both."""
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False, fontsize=8,
+    """Put the legend of ``ax`` above it, where it covers no data, with at most as many ``columns`` as its
+    figure has room for; a title goes above both.
+    """
+    longest = max(map(len, ax.get_legend_handles_labels()[1]), default=0)
+    room = int((ax.figure.get_figwidth() - 0.6) / (0.4 + 0.065 * longest))  # inches, of a letter too
+    columns = max(1, min(columns, room))
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False, fontsize=9,
         borderaxespad=0.2,
               handlelength=1.4, columnspacing=1.2)  # fmt: skip
     ax.set_title(ax.get_title(), fontsize=9, pad=22)

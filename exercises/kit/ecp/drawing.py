@@ -4,6 +4,7 @@ import io
 import math
 import traceback
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +14,21 @@ from ecp.checks import Arrays
 from ecp.exercise import Figure
 
 COLUMNS = 3
+WIDE, NARROW = (7.0, 3.6), (4.0, 3.2)  # inches; a narrow figure is as high for each of its panels
 
 
-def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "png") -> bytes:
+def draw(
+    figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "png", *, narrow: bool = False
+) -> bytes:
     """Return the figure as ``form`` ("png" or "svg"). ``seen`` and ``truth`` hold one mapping of arrays per
-    scene.
+    scene. A ``narrow`` figure is for a phone: panels that stand side by side are stacked.
     """
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Canvas
 
-    canvas = Canvas(figsize=(7, 3.6), dpi=130, layout="constrained")
+    made = _stacking(Canvas) if narrow else Canvas
+    canvas = made(figsize=NARROW if narrow else WIDE, dpi=130, layout="constrained")
     FigureCanvasAgg(canvas)
     with np.errstate(all="ignore"):  # values that overflow are not drawn
         try:
@@ -39,6 +44,29 @@ def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "p
         )
         canvas.savefig(stream, format=form, metadata=metadata)
     return stream.getvalue()
+
+
+def _stacking(canvas: type[Any]) -> type[Any]:
+    """Return a class of matplotlib figures that stack the panels of one row."""
+
+    class Stacking(canvas):  # type: ignore[misc]
+        def subplots(self, nrows: int = 1, ncols: int = 1, **more: Any) -> Any:
+            if nrows == 1 and ncols > 1:
+                nrows, ncols = self._stacked(ncols), 1
+            return super().subplots(nrows, ncols, **more)
+
+        def add_subplot(self, *place: Any, **more: Any) -> Any:
+            if len(place) == 1 and isinstance(place[0], int):
+                place = tuple(int(digit) for digit in str(place[0]))
+            if len(place) == len("123") and place[0] == 1 < place[1]:
+                place = self._stacked(place[1]), 1, place[2]
+            return super().add_subplot(*place, **more)
+
+        def _stacked(self, panels: int) -> int:
+            self.set_size_inches(NARROW[0], NARROW[1] * panels)
+            return panels
+
+    return Stacking
 
 
 def _draw_truth(figure: Figure, truth: list[Arrays], seen: list[Arrays]) -> None:

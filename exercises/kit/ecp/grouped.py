@@ -1,85 +1,163 @@
-"""Failures grouped by the diagnosis that explains them: the top of a report."""
+"""What a report says first, and in which order: causes, each once, and the exercises that fail for them.
 
-from collections.abc import Iterable, Mapping, Sequence
+The page, the notebook and the text of a report show this overview.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, ExerciseReport, Outcome, SceneEnd
+from ecp.cause import Cause, causes, counted, exercises_named, reasons
+from ecp.judge import Verdict, line
+from ecp.outcome import ExerciseReport, Outcome, SceneEnd
+from ecp.student_line import StudentLine
 
 
 @dataclass(frozen=True)
-class Cause:
-    """A diagnosis, numbered from 1, with the outcomes it explains, by exercise number, and the student's line
-    that raised, with its place, if one did.
+class Section:
+    """An exercise, or several, one after the other, that fail for the same ``causes``, which exercises before
+    them show; ``causes`` is empty for an exercise that stands for itself.
     """
 
-    number: int
-    diagnosis: Diagnosis
-    explains: Mapping[str, list[Outcome]]
-    raised_at: str = ""
+    exercises: list[ExerciseReport]
+    causes: list[Cause]
 
     def outcomes(self) -> list[Outcome]:
-        """Return all outcomes it explains."""
-        return [outcome for outcomes in self.explains.values() for outcome in outcomes]
+        """Return the outcomes of its exercises."""
+        return [outcome for exercise in self.exercises for outcome in exercise.outcomes]
 
     @property
-    def likely(self) -> str:
-        """Return "likely " for a diagnosis inferred from numbers, "" for one that is how the code ended."""
-        return (
-            "likely " if any(self.diagnosis.sentence not in (o.cause or "") for o in self.outcomes()) else ""
-        )
+    def passed(self) -> bool:
+        """Return whether every check that counts is ✓, or every check if none counts."""
+        shown = self.outcomes()
+        return all(o.verdict is Verdict.PASS for o in [o for o in shown if o.counted] or shown)
 
-    def where(self) -> list[str]:
-        """Return one line per exercise with the labels of its checks."""
-        return [
-            f"exercise {number}: {'; '.join(o.label for o in outcomes)}"
-            for number, outcomes in self.explains.items()
+    @property
+    def points(self) -> str:
+        """Return the points earned out of those of the checks that count: "2 of 5 points"."""
+        most = sum(o.points for o in self.outcomes() if o.counted)
+        return f"{sum(o.earned for o in self.outcomes())} of {most} point{'s' * (most != 1)}"
+
+    @property
+    def heading(self) -> str:
+        """Return the exercise's heading, or "Exercises 3–5: the same cause, 13 checks"."""
+        first, *others = self.exercises
+        if not self.causes:
+            return first.heading
+        sentences = {cause.diagnosis.sentence for cause in self.causes}
+        explained = [o for o in self.outcomes() if sentences & {d.sentence for d in reasons(o) or []}]
+        title = first.heading
+        if others:
+            named = exercises_named([exercise.number for exercise in self.exercises])
+            title = named[0].upper() + named[1:]
+        same = "the same cause" + "s" * (len(self.causes) > 1)
+        return f"{title}: {same}, {counted(len(explained))}"
+
+
+@dataclass(frozen=True)
+class Overview:
+    """The causes, the one that explains most first, the sections in the order of the exercises, and why a
+    check counts that stands in several exercises, by its label.
+    """
+
+    causes: list[Cause]
+    sections: list[Section]
+    repeated: Mapping[str, str]
+
+    def references(self, outcome: Outcome) -> list[Cause]:
+        """Return the causes to name beside an outcome: those that explain it, if there are others."""
+        if len(self.causes) < 2 or outcome.verdict is Verdict.PASS:
+            return []
+        return [cause for cause in self.causes if cause.diagnosis in outcome.diagnosis]
+
+    def detail(self, outcome: Outcome) -> str:
+        """Return what the line says in its brackets, with the number of its cause in place of the cause."""
+        detail = outcome.detail
+        for cause in self.causes if outcome.verdict is Verdict.UNMEASURED else []:
+            for words, more in {"not measured: ": "see ", "because ": "of ", "": ""}.items():
+                sentence = cause.diagnosis.sentence
+                detail = detail.replace(f"{words}{sentence}", f"{words}{more}cause {cause.number}")
+        return detail
+
+    def measured_and_allowed(self, outcome: Outcome) -> tuple[str, str]:
+        """Return what was measured, or why nothing was unless a cause says it, and what is allowed."""
+        if outcome.verdict is Verdict.UNMEASURED:
+            return self.detail(outcome).partition(": see cause")[0], ""
+        return outcome.measured_and_allowed()
+
+    def line(self, outcome: Outcome) -> str:
+        """Return the outcome's line, with the number of its cause in place of the cause."""
+        return line(outcome.verdict, outcome.label, self.detail(outcome))
+
+    def notes(self, outcome: Outcome) -> list[str]:
+        """Return what stands below an outcome's line besides its causes and hints."""
+        why = self.repeated.get(outcome.label)
+        return [*outcome.notes(), *([why] if why and outcome.verdict is not Verdict.PASS else [])]
+
+    def text(self, outcome: Outcome) -> str:
+        """Return the outcome's line with notes, the numbers of its causes, and hints, indented below it."""
+        causes = [
+            f"cause {c.number}"
+            for c in self.references(outcome)
+            if f"cause {c.number}" not in self.line(outcome)
         ]
+        others = [
+            f"likely {d.code}: {d.sentence}"
+            for d in outcome.causes()
+            if all(d != cause.diagnosis for cause in self.causes)
+        ]
+        notes = [*self.notes(outcome), *causes, *others, *(f"hint: {hint}" for hint in outcome.hints)]
+        return "\n".join([self.line(outcome), *(f"     {note}" for note in notes)])
 
 
-def causes(exercises: Iterable[ExerciseReport], scene_ends: Sequence[SceneEnd] = ()) -> list[Cause]:
-    """Return the diagnoses of all counted outcomes that did not pass, the one that explains most first."""
-    found: dict[str, tuple[Diagnosis, dict[str, list[Outcome]]]] = {}
+def overview(
+    exercises: Iterable[ExerciseReport],
+    scene_ends: Sequence[SceneEnd] = (),
+    lines: Iterable[StudentLine] = (),
+) -> Overview:
+    """Return the overview of the outcomes; ``lines`` are the student's that diagnoses are about."""
+    shown = [exercise for exercise in exercises if exercise.outcomes]
+    found = causes(shown, scene_ends, lines)
+    return Overview(found, list(_sections(shown, found)), _repeated(shown))
+
+
+def _sections(exercises: Iterable[ExerciseReport], found: Sequence[Cause]) -> Iterator[Section]:
+    shown = set[str]()
+    last: Section | None = None
+    for exercise in exercises:
+        given = [each for outcome in exercise.outcomes if (each := reasons(outcome)) is not None]
+        sentences = {diagnosis.sentence for each in given for diagnosis in each}
+        same = bool(sentences) and all(given) and sentences <= shown
+        own = [cause for cause in found if same and cause.diagnosis.sentence in sentences]
+        if last is not None and own and own == last.causes:
+            last.exercises.append(exercise)
+            continue
+        if last is not None:
+            yield last
+        last = Section([exercise], own)
+        shown |= sentences
+    if last is not None:
+        yield last
+
+
+def _repeated(exercises: Iterable[ExerciseReport]) -> dict[str, str]:
+    """Return for each label that stands in several exercises why it counts in each."""
+    numbers: dict[str, list[str]] = {}
     for exercise in exercises:
         for outcome in exercise.outcomes:
-            for diagnosis in (
-                outcome.diagnosis if outcome.counted and outcome.verdict is not Verdict.PASS else []
-            ):
-                _, explains = found.setdefault(diagnosis.sentence, (diagnosis, {}))
-                explains.setdefault(exercise.number, []).append(outcome)
-    ranked = sorted(found.values(), key=lambda one: -sum(map(len, one[1].values())))
-    raised = {end.cause: end.raised_at() for end in reversed(scene_ends)}
-    return [
-        Cause(number, diagnosis, explains, raised.get(diagnosis.sentence, ""))
-        for number, (diagnosis, explains) in enumerate(ranked, start=1)
-    ]
+            numbers.setdefault(outcome.label, []).append(exercise.number)
+    return {
+        label: f"counts in each of {exercises_named(found)}, because each of them uses this function"
+        for label, found in numbers.items()
+        if len(found) > 1
+    }
 
 
-def header(found: list[Cause]) -> str:
-    """Return a line that counts the causes and what they explain,
-    "" if they explain fewer than two checks.
-    """
-    explained = {outcome.id: outcome for cause in found for outcome in cause.outcomes()}
-    if len(explained) < 2:
-        return ""
-    failed = sum(outcome.verdict is Verdict.FAIL for outcome in explained.values())
-    unmeasured = len(explained) - failed
-    counts = [f"{failed} failure{'s' * (failed > 1)}"] if failed else []
-    counts += [f"{unmeasured} check{'s' * (unmeasured > 1)} not measured"] if unmeasured else []
-    subject = "One cause explains" if len(found) == 1 else f"{len(found)} causes explain"
-    return f"{subject} {' and '.join(counts)}:"
-
-
-def text(found: list[Cause]) -> str:
-    """Return the header and each cause with its checks as plain text, "" if there is none."""
-    lines = [header(found)] if header(found) else []
-    for cause in found:
-        lines.append(f"{cause.number}. {cause.likely}{cause.diagnosis.code}: {cause.diagnosis.sentence}")
-        lines += [f"     {cause.raised_at}"] if cause.raised_at else []
-        lines += [f"     {where}" for where in cause.where()]
-    return "\n".join(lines)
-
-
-def numbers(found: list[Cause]) -> dict[str, int]:
-    """Return the number of each cause by its sentence."""
-    return {cause.diagnosis.sentence: cause.number for cause in found}
+def section_text(section: Section, seen: Overview) -> str:
+    """Return a section as plain text: heading and lines, with notes if it stands for itself."""
+    shown = seen.line if section.causes else seen.text
+    blocks = []
+    for exercise in section.exercises:
+        outcomes = [shown(outcome) for outcome in exercise.outcomes]
+        title = [] if len(section.exercises) == 1 else [exercise.heading]
+        blocks.append("\n".join([*title, *outcomes]))
+    return "\n".join([section.heading, *blocks])

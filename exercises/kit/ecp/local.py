@@ -1,5 +1,6 @@
 """``ecp.check``: runs the public scenes in the notebook's own kernel and judges them as the server does."""
 
+import inspect
 import os
 import platform
 import sys
@@ -16,6 +17,7 @@ import numpy as np
 
 from ecp import animate, course
 from ecp.author_errors import LIBRARIES, SOURCES, UNUSABLE, AuthorError, author_error, checked_arrays
+from ecp.cause import suspect_lines
 from ecp.checks import Arrays, Check
 from ecp.course import PublicAssignment, PublicScene, UnknownCourse
 from ecp.exercise import Exercise, attempted, points
@@ -64,6 +66,10 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     total = points([*chosen, *missed], known.exercises, written, known.names)
     made = Provenance(0, versions, ISOLATION)
     report = Report(known.slug, known.version, sections, made, total, local=True)
+    functions = {
+        c.id: known.scenes[c.scenes[0]].function for listed in checks.values() for c in listed if c.scenes
+    }
+    report.suspect_lines = suspect_lines(sections, functions.__getitem__, lambda name: _cells(names, name))
     report.not_attempted = [e.number for e in missed]
     report.weighted = any(c.points > 1 for e in known.exercises for c in e.checks)
     report.scene_ends = [
@@ -251,6 +257,15 @@ def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagn
             return known.diagnose(name, arrays)
     except Exception:
         return []
+
+
+def _cells(names: Mapping[str, Any], function: str) -> list[tuple[str, str]]:
+    """Return the source of a function, with its line numbers, as a cell without a name, if it has one."""
+    try:
+        lines, first = inspect.getsourcelines(names[function])
+    except (OSError, TypeError, KeyError):
+        return []
+    return [("", "\n" * (first - 1) + "".join(lines))]
 
 
 def _draw(

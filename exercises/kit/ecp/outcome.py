@@ -1,17 +1,16 @@
 """The outcome of a check as it appears in a report, and how the execution of a scene ended."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import pairwise
 from typing import ClassVar
 
 from ecp.judge import RowsRight, Verdict, line
+from ecp.student_line import StudentLine, raised
 
 NEARLY = 0.01  # a larger margin may be explained by a few rounding errors,
 SMALL = 1e-6  # if the tolerance that would pass is at most this
-FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
+ALLOWED = re.compile(r" \(((?:rtol|limit|must) ?[^()]*)\)")  # in the brackets of a line
 
 
 class Ended(StrEnum):
@@ -51,20 +50,9 @@ class SceneEnd:
         """Return the sentence of the first failure."""
         return self.because or self.sentence
 
-    def raised_at(self) -> str:
-        """Return the student's last line of the traceback, with its place: "cell 3, line 2: return 1 / 0",
-        or "".
-        """
-        found = ""
-        lines = (self.traceback or "").split("\n")
-        for head, source in pairwise([*lines, ""]):
-            if head and not head[0].isspace():
-                break  # the exception's own text
-            if frame := FRAME.match(head):
-                inside = "" if "/" in frame[1] or "<" in frame[1] else f"{frame[1]}, "
-                shown = "" if FRAME.match(source) or not source[:1].isspace() else f": {source.strip()}"
-                found = f"{inside}line {frame[2]}{shown}"
-        return found
+    def line(self) -> StudentLine | None:
+        """Return the student's last line of the traceback, None if there is none."""
+        return raised(self.traceback)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,11 +72,15 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The likely cause of a ✗: a stable code, a sentence for the student, and the confidence (0 to 1)."""
+    """The likely cause of a ✗: a stable code, a sentence for the student, and the confidence (0 to 1).
+
+    ``component`` is the index of the component of the function's value that it is about, if it is about one.
+    """
 
     code: str
     sentence: str
     confidence: float
+    component: int | None = field(default=None, compare=False)
 
 
 @dataclass(kw_only=True)
@@ -100,7 +92,7 @@ class Outcome:
     ``remarks`` say what it rests on besides the student's code, such as a reference function, and what was
     accepted but should be otherwise. ``points`` is what the check is worth; ``partial`` is given for a ✗ with
     partial credit. ``self_reported``: the student's own code computed what is compared and what it is
-    compared with.
+    compared with. ``bonus``: the check is one of an optional function.
     """
 
     id: str
@@ -121,6 +113,7 @@ class Outcome:
     points: int = 1
     partial: RowsRight | None = None
     self_reported: bool = False
+    bonus: bool = False
 
     COMPUTED_FIELDS: ClassVar = ("line", "earned")
 
@@ -140,15 +133,21 @@ class Outcome:
             return 0
         return min(self.points * self.partial.right // self.partial.rows, self.points - 1)
 
+    def measured_and_allowed(self) -> tuple[str, str]:
+        """Return what the line says in its brackets in two parts: what was measured, and what is allowed."""
+        allowed = ALLOWED.search(self.detail)
+        if allowed is None:
+            return self.detail, ""
+        return self.detail[: allowed.start()] + self.detail[allowed.end() :], allowed[1]
+
     def notes(self) -> list[str]:
-        """Return the remarks, the place of a ✗'s worst value, how far off it is, and its partial credit."""
+        """Return the remarks, the place of a ✗'s worst value, and its partial credit."""
         if self.verdict is not Verdict.FAIL:
             return list(self.remarks)
         found = [*self.remarks, *([f"worst at {self.where}"] if self.where else [])]
-        if self.margin:
-            found.append(f"{1 / self.margin:.3g} times the allowed difference")
-            if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
-                found.append(f"no known mistake gives these numbers; it would pass at {would}")
+        nearly = self.margin is not None and self.margin >= NEARLY
+        if nearly and not self.diagnosis and (would := self._would_pass()):
+            found.append(f"no known mistake gives these numbers; it would pass at {would}")
         if self.partial:
             right = f"{self.partial.right} of {self.partial.rows} inputs are right"
             found.append(f"{right}: {self.earned} of {self.points} points")
@@ -172,32 +171,11 @@ class Outcome:
             else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
         )
 
-    def line_below(self, numbers: Mapping[str, int]) -> str:
-        """Return the line with the number of its cause at the top of the report in place of the cause."""
-        detail = self.detail
-        for diagnosis in self.diagnosis if self.verdict is Verdict.UNMEASURED else []:
-            if (number := numbers.get(diagnosis.sentence)) is not None:
-                before = {"not measured: ": "see ", "because ": "of ", "": ""}
-                for words, more in before.items():
-                    detail = detail.replace(f"{words}{diagnosis.sentence}", f"{words}{more}cause {number}")
-        return line(self.verdict, self.label, detail)
-
-    def text(self, numbers: Mapping[str, int] | None = None) -> str:
-        """Return the line and notes, likely causes and hints, indented below it.
-
-        ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for
-        them.
-        """
-        above = numbers or {}
-        hints = [f"hint: {hint}" for hint in self.hints]
-        causes = [
-            f"cause {above[d.sentence]}: {d.code}"
-            if d.sentence in above
-            else f"likely {d.code}: {d.sentence}"
-            for d in self.causes()
-        ]
-        notes = [*self.notes(), *causes, *hints]
-        return "\n".join([self.line_below(above), *(f"     {note}" for note in notes)])
+    def text(self) -> str:
+        """Return the line and notes, likely causes and hints, indented below it."""
+        causes = [f"likely {d.code}: {d.sentence}" for d in self.causes()]
+        notes = [*self.notes(), *causes, *(f"hint: {hint}" for hint in self.hints)]
+        return "\n".join([self.line, *(f"     {note}" for note in notes)])
 
 
 @dataclass(frozen=True)
@@ -231,21 +209,11 @@ class ExerciseReport:
     title: str
     outcomes: list[Outcome]
 
-    def text(self, numbers: Mapping[str, int]) -> str:
-        """Return the exercise's lines. ``numbers`` maps sentences of causes at the top of the report to their
-        numbers.
-        """
-        own = (
-            " (self-reported, no points)"
-            if self.outcomes and all(outcome.self_reported for outcome in self.outcomes)
-            else ""
-        )
-        return "\n".join(
-            [
-                f"Exercise {self.number}. {self.title}{own}",
-                *(outcome.text(numbers) for outcome in self.outcomes),
-            ]
-        )
+    @property
+    def heading(self) -> str:
+        """Return number and title, and whether all of it is self-reported."""
+        own = bool(self.outcomes) and all(outcome.self_reported for outcome in self.outcomes)
+        return f"Exercise {self.number}. {self.title}{' (self-reported, no points)' if own else ''}"
 
 
 @dataclass

@@ -9,7 +9,7 @@ from ecp import course
 from ecp.http import CONTACT_S, call
 from ecp.identity import authorization
 from ecp.report import out_of
-from ecp.report_html import fragment
+from ecp.report_style import fragment
 
 
 @dataclass(frozen=True, repr=False)

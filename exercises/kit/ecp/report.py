@@ -4,12 +4,14 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from ecp import grouped
+from ecp import cause, grouped
+from ecp.cause import exercises_named
 from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
-from ecp.grouped import Cause
+from ecp.grouped import Overview
 from ecp.judge import Verdict
 from ecp.outcome import ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
+from ecp.student_line import StudentLine
 
 OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
@@ -60,7 +62,7 @@ class Report:
     ``total`` is the number of points of every exercise that was to be graded, including those
     ``not_attempted`` (their numbers). ``max_points`` is the part of these exercises without optional
     functions, and ``bonus_points`` that of all optional functions, written or not. A local report has
-    neither.
+    neither. ``suspect_lines`` are the student's lines that diagnoses are about.
 
     ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures, which
     ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its
@@ -76,6 +78,7 @@ class Report:
     figures: list[Picture] = field(default_factory=list)
     animations: list[Picture] = field(default_factory=list)
     scene_ends: list[SceneEnd] = field(default_factory=list)
+    suspect_lines: list[StudentLine] = field(default_factory=list)
     stdout: str = ""
     sweep: SweepResult | None = None
     notebook_checks: list[NotebookCheck] = field(default_factory=list)
@@ -104,9 +107,22 @@ class Report:
         return sum(o.points for o in self.outcomes() if o.counted)
 
     @property
+    def bonus(self) -> int:
+        """Return the points earned with optional functions."""
+        return sum(o.earned for o in self.outcomes() if o.bonus)
+
+    @property
     def out_of(self) -> str:
         """Return the points there are, with those of optional functions apart: "36 + 6 bonus"."""
         return str(self.total) if self.max_points is None else out_of(self.max_points, self.bonus_points or 0)
+
+    @property
+    def points(self) -> str:
+        """Return the points earned out of those there are: "28 of 36, +6 of 6 bonus"."""
+        if self.max_points is None:
+            return f"{self.score} of {self.total}"
+        bonus = f", +{self.bonus} of {self.bonus_points} bonus" if self.bonus_points else ""
+        return f"{self.score - self.bonus} of {self.max_points}{bonus}"
 
     @property
     def passed(self) -> bool:
@@ -120,14 +136,15 @@ class Report:
         """Return the outcomes of all exercises in order."""
         return [o for e in self.exercises for o in e.outcomes]
 
-    def causes(self) -> list[Cause]:
-        """Return the diagnoses with the outcomes each explains, the one that explains most first."""
-        return grouped.causes(self.exercises, self.scene_ends)
+    def overview(self) -> Overview:
+        """Return what is shown first: the causes, each once, and the exercises in the order of the report."""
+        return grouped.overview(self.exercises, self.scene_ends, self.suspect_lines)
 
     def stops(self) -> list[SceneEnd]:
-        """Return the scene ends with a traceback, each traceback once."""
-        first = {end.traceback: end for end in reversed(self.scene_ends) if end.traceback}
-        return [end for end in self.scene_ends if end.traceback and first[end.traceback] is end]
+        """Return the scene ends with a traceback that no cause states, each traceback once."""
+        stated = {cause.scene_end.traceback for cause in self.overview().causes if cause.scene_end}
+        first = {end.traceback: end for end in reversed(self.scene_ends) if end.traceback not in stated}
+        return [end for end in self.scene_ends if end.traceback and first.get(end.traceback) is end]
 
     def lines(self) -> str:
         """Return the ✓/✗ lines only."""
@@ -137,35 +154,40 @@ class Report:
         """Return the report as text: causes, the lines by exercise, the notebook's own checks, tracebacks and
         the summary.
         """
-        causes = self.causes()
-        blocks = [grouped.text(causes)] if causes else []
-        blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
+        seen = self.overview()
+        blocks = [cause.text(seen.causes)] if seen.causes else []
+        blocks += [grouped.section_text(section, seen) for section in seen.sections]
         if self.notebook_checks:
             blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
-        if stops := self.stops():
-            blocks.append("\n".join(map(_note, stops)))
+        blocks += [f"{end.scene}: {end.sentence}\n{_indented(end.traceback)}" for end in self.stops()]
+        blocks += [
+            f"Cause {c.number} in full:\n{_indented(frames)}" for c in seen.causes if (frames := c.frames())
+        ]
         if self.sweep:
             blocks.append(f"speed versus accuracy: {self.sweep.line}")
         return "\n\n".join([*blocks, self.summary()]) + "\n"
 
     def summary(self) -> str:
-        """Return the points out of all points, the public checks among them,
-        and the exercises not attempted.
+        """Return the points out of all points, the public checks among them, and the exercises not
+        attempted.
         """
         if self.local:
             what = "points of the public checks" if self.weighted else "public checks ✓"
-            points = f"{self.score} of {self.total} {what}"
-        else:
-            public = [o for o in self.outcomes() if o.counted and not o.hidden]
-            passed = sum(o.verdict is Verdict.PASS for o in public)
-            points = f"{self.score} of {self.out_of} points (public checks: {passed} of {len(public)})"
-            if reported := [o for o in self.outcomes() if o.self_reported]:
-                points += (
-                    f"; {sum(o.verdict is Verdict.PASS for o in reported)} of {len(reported)} self-reported"
-                    " lines ✓"
-                )
-        numbers = f"exercise{'s' * (len(self.not_attempted) > 1)} {', '.join(self.not_attempted)}"
-        return f"{points}; not attempted: {numbers}" if self.not_attempted else points
+            return f"{self.score} of {self.total} {what}{self._missed()}"
+        return f"{self.points} points ({self.public()}){self._reported()}{self._missed()}"
+
+    def public(self) -> str:
+        """Return how many of the public checks are ✓: "public checks: 3 of 13"."""
+        made = [o for o in self.outcomes() if o.counted and not o.hidden]
+        return f"public checks: {sum(o.verdict is Verdict.PASS for o in made)} of {len(made)}"
+
+    def _reported(self) -> str:
+        reported = [o for o in self.outcomes() if o.self_reported]
+        passed = sum(o.verdict is Verdict.PASS for o in reported)
+        return f"; {passed} of {len(reported)} self-reported lines ✓" if reported else ""
+
+    def _missed(self) -> str:
+        return f"; not attempted: {exercises_named(self.not_attempted)}" if self.not_attempted else ""
 
     def __repr__(self) -> str:
         return self.lines()
@@ -184,6 +206,5 @@ class Report:
         show(self)
 
 
-def _note(scene_end: SceneEnd) -> str:
-    shown = "\n".join(f"     {line}" for line in (scene_end.traceback or "").rstrip().split("\n"))
-    return f"{scene_end.scene}: {scene_end.sentence}\n{shown}"
+def _indented(traceback: str | None) -> str:
+    return "\n".join(f"     {line}" for line in (traceback or "").rstrip().split("\n"))

@@ -1,5 +1,5 @@
-"""A report as HTML: causes and lines, which the web page shows too, and for a notebook figures and the graded
-source. Colours there follow the themes of JupyterLab, VS Code and Colab.
+"""A report as HTML: causes and checks, which the web page shows too, and for a notebook figures and the
+graded source.
 """
 
 import base64
@@ -8,54 +8,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from html import escape
 
-from ecp import grouped
+from ecp.cause import FIRST, NEXT, Cause
 from ecp.errors import RequestError
-from ecp.grouped import Cause
-from ecp.judge import Verdict
+from ecp.grouped import Overview, Section
+from ecp.judge import MARKS, Verdict
 from ecp.outcome import Diagnosis, ExerciseReport, Outcome, Picture
 from ecp.report import OWN_CHECKS, Report, no_picture
-
-MOST_LINKS = 3  # of the checks of an exercise that are listed with a cause
-# Light by default; dark if the front end (JupyterLab, VS Code, Colab) says so, or if it says nothing and the
-# system is dark. VS Code's light theme of high contrast has the class of the dark one too.
-# ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
-_DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8;--chart:invert(.9) hue-rotate(180deg)}"
-_STYLE = (
-    """
-.polhode:not(#_){--p:#00674c;--f:#a33c00;--q:#5a5a5a;
-font:14px/1.5 var(--jp-ui-font-family,system-ui,sans-serif);
-color:var(--jp-ui-font-color1,var(--vscode-editor-foreground,inherit));
-ul{list-style:none;padding:0;margin:.2em 0}
-ol{padding:0 0 0 1.6em;margin:.2em 0}
-li{margin:0 0 .15em}
-h4{margin:.6em 0 .2em;font-size:1em;font-weight:600}
-code{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace);white-space:pre-wrap;
-background:none;padding:0;color:inherit}
-.line{display:block;padding-left:3ch;text-indent:-3ch;white-space:pre-wrap}
-.line{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace)}
-.pass>.line{color:var(--p)}
-.fail>.line{color:var(--f)}
-.unmeasured>.line,.quiet,.badge,small,figcaption{color:var(--q)}
-.badge{margin-left:2em;font-size:.85em}
-p{margin:0 0 0 2em}
-figure{margin:.6em 0}
-img{max-width:100%;background:#fff}
-img[src^="data:image/svg"]{filter:var(--chart,none)}
-pre{overflow-x:auto;color:inherit}
-td,th{text-align:left;vertical-align:top}}
-"""
-    + f"""
-:is([data-jp-theme-light="false"],.vscode-dark,.vscode-high-contrast:not(.vscode-high-contrast-light),
-html[theme="dark"]) .polhode:not(#_){_DARK}
-@media (prefers-color-scheme:dark){{
-:root:not([theme],:has([data-jp-theme-light],body[class*="vscode-"])) .polhode:not(#_){_DARK}}}
-"""
-)
+from ecp.report_style import fragment
+from ecp.student_line import StudentLine
 
 
 def show(report: Report) -> None:
-    """Display the report's lines in IPython, then one picture after the other, each as soon as it is drawn or
-    fetched.
+    """Display the report in IPython at once, and again with its pictures when they are drawn or fetched.
 
     Raises NotImplementedError in a terminal, where IPython then shows the ``repr``. If the server sends no
     pictures, one line stands for all that are missing.
@@ -63,131 +27,165 @@ def show(report: Report) -> None:
     from IPython import get_ipython
     from IPython.display import display
 
-    def put(text: str, markup: str) -> None:
-        display({"text/plain": text, "text/html": markup}, raw=True)
-
     if "text/html" not in get_ipython().display_formatter.active_types:
         raise NotImplementedError
-    put(report.lines(), html(replace(report, drawn=no_picture)))
+    bare = replace(report, drawn=no_picture)
+    shown = display({"text/plain": report.lines(), "text/html": html(bare)}, raw=True, display_id=True)
     pictures = [picture for exercise in report.exercises for picture in _pictures(report, exercise)]
+    found: dict[str, bytes | Exception | None] = {}
+    missing = ""
     for number, picture in enumerate(pictures):
         content = _drawn(report, picture)
         if isinstance(content, RequestError) and getattr(content, "status", None) != 404:
             missing = f"{len(pictures) - number} of {len(pictures)} pictures are missing: {content}"
-            put(missing, fragment(f"<p>{escape(missing)}</p>"))
-            return
-        if content is not None:
-            placed = replace(picture, title=f"Exercise {picture.exercise}. {picture.title}")
-            put(_text(placed, content), fragment(_picture(placed, content)))
+            break
+        found[picture.name] = content
+    texts = [_text(picture, content) for picture in pictures if (content := found.get(picture.name))]
+    if texts or missing:
+        plain = "\n".join(filter(None, [report.lines(), *texts, missing]))
+        shown.update({"text/plain": plain, "text/html": _html(report, found, missing)}, raw=True)
 
 
 def html(report: Report) -> str:
     """Return the report with its pictures as one self-contained HTML fragment."""
-    causes = report.causes()
-    parts = []
-    if causes:
-        head = grouped.header(causes)
-        parts.append(f"{f'<h4>{escape(head)}</h4>' if head else ''}{cause_list(causes)}")
-    parts += [_exercise(report, e, grouped.numbers(causes)) for e in report.exercises if e.outcomes]
+    pictures = [picture for exercise in report.exercises for picture in _pictures(report, exercise)]
+    return _html(report, {picture.name: _drawn(report, picture) for picture in pictures})
+
+
+def _html(report: Report, drawn: Mapping[str, bytes | Exception | None], missing: str = "") -> str:
+    seen = report.overview()
+    first, *others = [cause_block(cause) for cause in seen.causes] or [""]
+    parts = [f"<h4>{FIRST}</h4>{first}" if first else ""]
+    if others:
+        items = "".join(f"<li>{one}</li>" for one in others)
+        parts.append(f'<h4>{NEXT}</h4><ol start="2">{items}</ol>')
+    parts += [_section(report, section, seen, drawn) for section in seen.sections]
     if report.notebook_checks:
-        lines = [item(check.verdict, check.line, [check.cell]) for check in report.notebook_checks]
-        parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
+        checks = report.notebook_checks
+        lines = "".join(item(one.verdict, one.label, one.detail, [one.cell]) for one in checks)
+        parts.append(f'<h4>{escape(OWN_CHECKS)}</h4><ul class="outcomes">{lines}</ul>')
     parts += [
         f"<details open><summary>{escape(e.scene)}:"
         f" {escape(e.sentence)}</summary><pre>{escape(e.traceback or '')}</pre></details>"
         for e in report.stops()
     ]
+    parts.append(f"<p>{escape(missing)}</p>" if missing else "")
     parts.append(f"<small>{escape(report.summary())}. {escape(report.remark)}{_page(report)}</small>")
     if report.sent is not None:
         parts.append(_sent(report))
     return fragment("".join(parts))
 
 
-def fragment(inner: str) -> str:
-    """Return HTML in the kit's style."""
-    return f'<div class="polhode"><style>{_STYLE}</style>{inner}</div>'
+def cause_block(cause: Cause, *, source: str = "", links: bool = False) -> str:
+    """Return a cause: its sentence, the student's line, and small its code, what it explains and the numbers.
 
-
-def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
-    """Return the causes as a list. With ``links`` each is an anchor, and its checks are links, folded if
-    there are many.
+    ``source`` is the address of the line. With ``links`` the checks that it explains are links, folded.
     """
-    items = []
-    for cause in causes:
-        below = ""
-        for number, outcomes in cause.explains.items():
-            labels = [_link(f"#check-{o.id}", o.label, links) for o in outcomes]
-            where, listed = f"exercise {escape(number)}", "; ".join(labels)
-            if links and len(labels) > MOST_LINKS:
-                below += (
-                    f'<details class="more"><summary>{where}: {len(labels)}'
-                    f" checks</summary><p>{listed}</p></details> "
-                )
-            else:
-                below += f'<p class="quiet">{where}: {listed}</p>'
-        anchor = f' id="cause-{cause.number}"' if links else ""
-        raised = f"<p><code>{escape(cause.raised_at)}</code></p>" if cause.raised_at else ""
-        items.append(f"<li{anchor}>{cause.likely}{_diagnosis(cause.diagnosis)}{raised}{below}</li>")
-    return f"<ol>{''.join(items)}</ol>"
+    worst = f". Worst at {escape(cause.worst)}" if cause.worst else ""
+    code, extent = f"<code>{escape(cause.code)}</code>", escape(cause.extent)
+    said = f"{code}{worst}" if links else f"{code}: {extent}{worst}"
+    parts = [f'<p class="sentence">{escape(cause.diagnosis.sentence)}</p>']
+    parts += [_quote(cause.line, source)] if cause.line else []
+    parts.append(f'<p class="quiet">{said}</p>')
+    parts += [_folded(extent, _checks(cause))] if links else []
+    parts += [_folded("traceback", f"<pre>{escape(frames)}</pre>")] if (frames := cause.frames()) else []
+    return "".join(parts)
 
 
-def outcome_item(
-    outcome: Outcome, numbers: Mapping[str, int], *, links: bool = False, staff: str = ""
-) -> str:
-    """Return the outcome as a list item: line, badges, notes, likely causes and hints.
+def _quote(line: StudentLine, source: str) -> str:
+    """Return a line of the student's source with its place, a link if ``source`` is an address."""
+    place = _link(source, line.place) if source else escape(line.place)
+    before, about, after = map(escape, line.parts())
+    code = f"\n<code>{before}<mark>{about}</mark>{after}</code>" if line.text else ""
+    return f'<p class="quote"><span class="quiet">{place}</span>{code}</p>'
 
-    ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for them.
-    With ``links`` it is an anchor, has links to those causes, and its notes are folded. ``staff`` is a remark
-    for the staff, who also see whether the check is hidden.
+
+def _checks(cause: Cause) -> str:
+    """Return links to the checks that a cause explains, a paragraph for each exercise."""
+    paragraphs = []
+    for number, outcomes in cause.explains.items():
+        listed = "; ".join(_link(f"#check-{o.id}", o.label) for o in outcomes)
+        paragraphs.append(f"<p>exercise {escape(number)}: {listed}</p>")
+    return "".join(paragraphs)
+
+
+def _folded(title: str, inner: str) -> str:
+    return f'<details class="more"><summary>{title}</summary>{inner}</details>'
+
+
+def outcome_item(outcome: Outcome, seen: Overview, *, links: bool = False, staff: str = "") -> str:
+    """Return the outcome as a list item: mark, label with badges, what was measured and is allowed, folded
+    notes, other likely causes and hints.
+
+    With ``links`` it is an anchor and has links to its causes. ``staff`` is a remark for the staff, who also
+    see whether the check is hidden.
     """
-    badges = (
-        [f"{outcome.earned} of {outcome.points} points"] if outcome.counted and outcome.points > 1 else []
-    )
-    badges += ["hidden"] if staff and outcome.hidden else []
-    badges += (
-        ["self-reported, no points"] if outcome.self_reported else [] if outcome.counted else ["not counted"]
-    )
-    notes = [escape(note) for note in [*outcome.notes(), *([staff] if staff else [])]]
-    below = [] if links else notes
-    for d in outcome.causes():
-        number = numbers.get(d.sentence)
-        above = _link(f"#cause-{number}", f"cause {number}", links)
-        below.append(f"likely {_diagnosis(d)}" if number is None else f"{above}: <b>{escape(d.code)}</b>")
+    shown = [escape(badge) for badge in _badges(outcome, for_staff=bool(staff))]
+    for cause in seen.references(outcome):
+        name = f"cause {cause.number}"
+        shown.append(_link(f"#cause-{cause.number}", name) if links else name)
+    notes = "".join(f"<p>{escape(note)}</p>" for note in [*seen.notes(outcome), *([staff] if staff else [])])
+    more = _folded("details", notes) if notes else ""
+    stated = {cause.diagnosis.sentence for cause in seen.causes}
+    below = [f"likely {_diagnosis(d)}" for d in outcome.causes() if d.sentence not in stated]
     below += [f"hint: {escape(hint)}" for hint in outcome.hints]
-    text = _folded(notes) if links else ""
-    text += "".join(f"<p>{one}</p>" for one in below)
-    return item(
-        outcome.verdict, outcome.line_below(numbers), badges, text, f"check-{outcome.id}" if links else ""
-    )
+    more += "".join(f'<p class="below">{one}</p>' for one in below)
+    row = _row(outcome.verdict, outcome.label, seen.measured_and_allowed(outcome), shown)
+    anchor = f' id="check-{escape(outcome.id)}"' if links else ""
+    return f'<li class="{outcome.verdict.value}"{anchor}>{row}{more}</li>'
 
 
-def item(verdict: Verdict, line: str, badges: Iterable[str], below: str = "", anchor: str = "") -> str:
-    """Return a ✓/✗ line as a list item with its badges, and HTML ``below`` it."""
-    id = f' id="{escape(anchor)}"' if anchor else ""
-    shown = "".join(f' <span class="badge">{escape(badge)}</span>' for badge in badges)
-    return f'<li class="{verdict.value}"{id}><span class="line">{escape(line)}</span>{shown}{below}</li>'
+def item(verdict: Verdict, label: str, detail: str, badges: Iterable[str]) -> str:
+    """Return a line of the notebook's own checks as a list item with its badges."""
+    row = _row(verdict, label, (detail, ""), map(escape, badges))
+    return f'<li class="{verdict.value}">{row}</li>'
 
 
-def _folded(notes: Iterable[str]) -> str:
-    shown = "".join(f"<p>{note}</p>" for note in notes)
-    return f' <details class="more"><summary>details</summary>{shown}</details>' if shown else ""
+def _badges(outcome: Outcome, *, for_staff: bool) -> list[str]:
+    """Return what is special about an outcome, each in a few words."""
+    worth = outcome.counted and outcome.points > 1
+    found = [f"{outcome.earned} of {outcome.points} points"] if worth else []
+    found += ["hidden"] if for_staff and outcome.hidden else []
+    found += ["bonus"] if outcome.bonus else []
+    if outcome.self_reported:
+        return [*found, "self-reported, no points"]
+    return found if outcome.counted else [*found, "not counted"]
+
+
+def _row(verdict: Verdict, label: str, found: tuple[str, str], badges: Iterable[str]) -> str:
+    """Return mark, label with badges, and what was ``found`` and is allowed."""
+    shown = "".join(f' <span class="badge">{badge}</span>' for badge in badges)
+    measured, allowed = map(escape, found)
+    name = f'<span class="mark">{MARKS[verdict]}</span><span class="name">{escape(label)}{shown}</span>'
+    if not allowed:
+        return f'{name}<span class="got words">{measured}</span>'
+    return f'{name}<span class="got">{measured}</span><span class="allowed">{allowed}</span>'
 
 
 def _diagnosis(diagnosis: Diagnosis) -> str:
-    return f"<b>{escape(diagnosis.code)}</b>: {escape(diagnosis.sentence)}"
+    return f"{escape(diagnosis.sentence)} <code>{escape(diagnosis.code)}</code>"
 
 
-def _link(address: str, text: str, links: bool) -> str:
-    return f'<a href="{escape(address)}">{escape(text)}</a>' if links else escape(text)
+def _link(address: str, text: str) -> str:
+    return f'<a href="{escape(address)}">{escape(text)}</a>'
 
 
-def _exercise(report: Report, exercise: ExerciseReport, numbers: Mapping[str, int]) -> str:
-    items = [outcome_item(outcome, numbers) for outcome in exercise.outcomes]
-    shown = "".join(_picture(picture, _drawn(report, picture)) for picture in _pictures(report, exercise))
-    return (
-        f"<h4>Exercise {escape(exercise.number)}."
-        f" {escape(exercise.title)}</h4><ul>{''.join(items)}</ul>{shown}"
-    )
+def _section(
+    report: Report, section: Section, seen: Overview, drawn: Mapping[str, bytes | Exception | None]
+) -> str:
+    """Return a section, folded if every check is ✓ or an exercise before shows the cause."""
+    several, inner = len(section.exercises) > 1, ""
+    for exercise in section.exercises:
+        inner += f"<h5>{escape(exercise.heading)}</h5>" if several else ""
+        inner += f'<ul class="outcomes">{"".join(outcome_item(o, seen) for o in exercise.outcomes)}</ul>'
+        inner += "".join(
+            _picture(picture, drawn.get(picture.name)) for picture in _pictures(report, exercise)
+        )
+    verdict = Verdict.PASS if section.passed else Verdict.FAIL
+    opened = "" if section.passed or section.causes else " open"
+    mark = f'<span class="mark">{MARKS[verdict]}</span>'
+    title = f"{mark} <b>{escape(section.heading)}</b> <small>{escape(section.points)}</small>"
+    return f'<details{opened}><summary class="{verdict.value}">{title}</summary>{inner}</details>'
 
 
 def _pictures(report: Report, exercise: ExerciseReport) -> list[Picture]:

@@ -249,8 +249,11 @@ def extra_terms(column: Array, k: int, w: Array, moments: Array) -> list[list[Sl
     return found
 
 
-def diagnoses(slips: Sequence[tuple[int, Slip]]) -> list[Diagnosis]:
-    """Return the diagnoses of these errors of components. The same error in all three is one diagnosis."""
+def diagnoses(slips: Sequence[tuple[int, Slip]], *, in_place: bool = True) -> list[Diagnosis]:
+    """Return the diagnoses of these errors of components. The same error in all three is one diagnosis.
+
+    The components are ``in_place`` unless they are returned in the wrong order.
+    """
     given = [slip for _, slip in slips]
     errors = [
         (k, each)
@@ -260,10 +263,10 @@ def diagnoses(slips: Sequence[tuple[int, Slip]]) -> list[Diagnosis]:
     found = {}
     for k, slip in errors:
         alike = [said(slip, other) for other, same in errors if same == slip]
-        sentence = (
-            f"{alike[0]}; likewise in the other two components" if len(set(alike)) == 3 else said(slip, k)
-        )
-        found[sentence] = cause(slip.code, sentence)
+        in_all = len(set(alike)) == 3
+        sentence = f"{alike[0]}; likewise in the other two components" if in_all else said(slip, k)
+        is_one = in_place and not in_all and "{c}" in slip.text
+        found[sentence] = cause(slip.code, sentence, component=k if is_one else None)
     return list(found.values())
 
 

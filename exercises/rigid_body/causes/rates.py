@@ -148,7 +148,7 @@ def _fewest(
                 (k, slip) for k, each in zip(outputs, found_slips, strict=True) for slip in min(each, key=len)
             ]
             swapped = _swapped(outputs, order)
-            explained = [*swapped, *diagnoses(slips)]
+            explained = [*swapped, *diagnoses(slips, in_place=outputs == SAME)]
             found.setdefault((len(explained), len(swapped)), []).append(explained)
     if not found:
         return None

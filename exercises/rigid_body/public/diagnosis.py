@@ -66,9 +66,9 @@ def diagnose(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays)
     )
 
 
-def cause(code: str, sentence: str, confidence: float = 1.0) -> Diagnosis:
-    """Return a diagnosis."""
-    return Diagnosis(code=code, sentence=sentence, confidence=confidence)
+def cause(code: str, sentence: str, confidence: float = 1.0, *, component: int | None = None) -> Diagnosis:
+    """Return a diagnosis, of one ``component`` (0, 1, 2) of the rates if it is about one."""
+    return Diagnosis(code=code, sentence=sentence, confidence=confidence, component=component)
 
 
 def not_finite(where: str = "") -> Diagnosis:
@@ -164,14 +164,13 @@ def _factors(got: Array, exact: Array, scale: Array) -> list[Diagnosis]:
         return []
     if np.ptp(factors) <= AGREEMENT * abs(factors[0]):
         return [cause(*multiple("every component", factors[0]))]
-    return [
-        _factor(COMPONENT[k], factor) for k, factor in enumerate(factors) if abs(factor - 1.0) > AGREEMENT
-    ]
+    return [_factor(k, factor) for k, factor in enumerate(factors) if abs(factor - 1.0) > AGREEMENT]
 
 
-def _factor(what: str, factor: float) -> Diagnosis:
+def _factor(k: int, factor: float) -> Diagnosis:
+    what = COMPONENT[k]
     if factor == 0.0:
-        return cause("missing-component", f"{what} is always zero")
+        return cause("missing-component", f"{what} is always zero", component=k)
     if abs(factor + 1.0) <= AGREEMENT:
-        return cause("sign-flipped", f"{what} has the opposite sign")
-    return cause(*multiple(what, factor))
+        return cause("sign-flipped", f"{what} has the opposite sign", component=k)
+    return cause(*multiple(what, factor), component=k)

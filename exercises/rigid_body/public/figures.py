@@ -29,9 +29,10 @@ from .quantities import BOX as BOX_NUMBERS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-COLORS = ("#0072b2", "#e69f00", "#c1272d")  # of ω₁, ω₂, ω₃ and of ê₁, ê₂, ê₃: blue, orange, red
+COLORS = ("#0072b2", "#b36b00", "#c1272d")  # of ω₁, ω₂, ω₃ and of ê₁, ê₂, ê₃: blue, orange, red
 AMBER, GREY = "#c0851a", "0.55"
-EXACT: dict[str, Any] = {"color": "0.25", "ls": (0, (1, 2)), "lw": 1.6}
+EXACT: dict[str, Any] = {"ls": (0, (1, 1.5)), "lw": 2.0}  # dotted, in the colour of what it is compared with
+UNCOLOURED: dict[str, Any] = {**EXACT, "color": "0.25"}
 HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
 BOX_AXES = (AMBER, COLORS[0], COLORS[2])  # the figure of the box has ê₁ amber
 FLOOR = 1e-17  # below one rounding error; a log axis shows an exact zero here
@@ -65,7 +66,7 @@ def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     for (name, _), values, true, color in zip(observables, yours, trues, COLORS, strict=False):
         drift = np.abs(values / true[0] - 1).max()
         right.plot(run["t"], values, color=color, label=f"{name}, drift {drift:.2g}")
-        right.plot(exact["t"], true, **EXACT)
+        right.plot(exact["t"], true, color=color, **EXACT)
     right.set(xlabel="t / s", ylim=(0, None))
     _keep_exact_in_view(right, run["t"], np.array(yours), np.array(trues), 0.0)
     legend_above(right, 1)
@@ -74,7 +75,8 @@ def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
     for i in range(3):
         axes.plot(run["t"], run["w"][i], color=COLORS[i], label=f"ω{'₁₂₃'[i]}")
-        axes.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
+        axes.plot(exact["t"], exact["w"][i], color=COLORS[i], **EXACT)
+    axes.plot([], [], **UNCOLOURED, label="exact")
     _keep_exact_in_view(axes, run["t"], run["w"], exact["w"])
     axes.set(xlabel="t / s", ylabel="rad/s")
     legend_above(axes, 5)
@@ -121,10 +123,17 @@ def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
             lw=1.8,
             label=f"yours, ω(0) = {np.round(run['w'][:, 0], 2).tolist()}",
         )
-        axes.plot(*exact["w"], **EXACT)
+        axes.plot(*exact["w"], color=COLORS[number], **EXACT)
     cube_axes(axes, float(np.abs(ellipsoid).max()))
     axes.set(xlabel="ω₁", ylabel="ω₂", zlabel="ω₃")
-    axes.legend(fontsize=8, loc="center right", bbox_to_anchor=(-0.08, 0.5), frameon=False)
+    _few_ticks(axes)
+    legend_above(axes, 1)
+
+
+def _few_ticks(axes: Any) -> None:
+    """Number the axes of a 3-D plot so sparsely that no number lies over another."""
+    axes.locator_params(nbins=3)
+    axes.tick_params(labelsize=8, pad=0)
 
 
 def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -132,7 +141,7 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
     left, circle = canvas.subplots(1, 2)
     _components(left, run, exact)
     circle.plot(run["w"][0], run["w"][1], color=COLORS[0], label="yours")
-    circle.plot(exact["w"][0], exact["w"][1], **EXACT, label="exact")
+    circle.plot(exact["w"][0], exact["w"][1], **UNCOLOURED, label="exact")
     reach = 1.6 * float(np.abs(exact["w"][:2]).max())
     inside = (np.abs(run["w"][:2]) <= reach).all(axis=0)
     if not inside.all():
@@ -159,7 +168,8 @@ def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
         axes.semilogy(
             SPIN * run["t"], transverse(run["w"], k, SPIN), color=COLORS[k], label=f"spin about ê{'₁₂₃'[k]}"
         )
-        axes.semilogy(SPIN * exact["t"], transverse(exact["w"], k, SPIN), **EXACT)
+        axes.semilogy(SPIN * exact["t"], transverse(exact["w"], k, SPIN), color=COLORS[k], **EXACT)
+    axes.plot([], [], **UNCOLOURED, label="exact")
     axes.axhline(NUDGE * np.sqrt(2), color="0.7", lw=0.8)
     axes.set_ylim(max(axes.get_ylim()[0], 1e-3 * NUDGE), min(axes.get_ylim()[1], 10.0))
     axes.set(xlabel="turn angle nt / rad", ylabel="transverse |ω| / n")
@@ -186,14 +196,15 @@ def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     axes = canvas.add_subplot(projection="3d")
     R = up @ run["R"]
     axes.plot(*R[:, :, 2].T, color=GREY, lw=1.6, label="yours: path of ê₃")
-    axes.plot(*(up @ exact["R"])[:, :, 2].T, **EXACT, label="exact")
+    axes.plot(*(up @ exact["R"])[:, :, 2].T, **UNCOLOURED, label="exact")
     for at in np.linspace(0, len(R) - 1, 7).astype(int):
         arrow(axes, R[at, :, 2], color=COLORS[2], lw=0.8, alpha=0.4)
     for k in range(3):
         arrow(axes, R[0, :, k], color=COLORS[k], lw=2, label=f"ê{'₁₂₃'[k]} at t = 0")
-    arrow(axes, (0, 0, 1.3), color=AMBER, lw=2.5, label="direction of L, fixed in space")
+    arrow(axes, (0, 0, 1.3), color="k", lw=2.5, label="direction of L, fixed in space")
     cube_axes(axes, 0.8).set_zlim(-0.3, 1.3)
-    axes.legend(fontsize=8, loc="center right", bbox_to_anchor=(-0.08, 0.5), frameon=False)
+    _few_ticks(axes)
+    legend_above(axes, 2)
 
 
 def _upright(n: np.ndarray) -> np.ndarray:
@@ -275,7 +286,7 @@ TUMBLE = Figure(
 CONE = Figure(
     "cone",
     "The symmetry axis around L",
-    "Your body axis ê₃, red, and its path in space, a grey circle around the vertical L in amber; the exact"
+    "Your body axis ê₃, red, and its path in space, a grey circle around the vertical L in black; the exact"
     " path dotted.",
     ("precession",),
     _cone,

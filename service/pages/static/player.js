@@ -20,8 +20,9 @@ const make = (name, properties) => Object.assign(document.createElement(name), p
 
 class Player {
   constructor(canvas, motion) {
-    Object.assign(this, { canvas, motion, at: 0, yaw: -0.6, pitch: 0.35, playing: false, pen: canvas.getContext("2d") });
+    Object.assign(this, { canvas, motion, fresh: true, yaw: -0.6, pitch: 0.35, playing: false, pen: canvas.getContext("2d") });
     this.end = motion.t.at(-1);
+    this.at = this.farthest();
     this.rate = this.end / Math.min(Math.max(this.end / 1000, SHORTEST), LONGEST); // ms of motion per second of playing time
     this.upright = rotationToZ(motion.L); // draw L vertically
     this.half = scaled(motion.half, SIZE / Math.hypot(...motion.half));
@@ -55,7 +56,7 @@ class Player {
   listen() {
     const { canvas } = this;
     this.button.addEventListener("click", () => this.toggle(!this.playing));
-    this.slider.addEventListener("input", () => { this.toggle(false); this.at = Number(this.slider.value); this.draw(); });
+    this.slider.addEventListener("input", () => { this.toggle(false); this.fresh = false; this.at = Number(this.slider.value); this.draw(); });
     canvas.addEventListener("pointerdown", event => canvas.setPointerCapture(event.pointerId));
     canvas.addEventListener("pointermove", event => {
       if (canvas.hasPointerCapture(event.pointerId)) this.turn(0.01 * event.movementX, 0.01 * event.movementY);
@@ -78,7 +79,8 @@ class Player {
     this.playing = on;
     this.button.textContent = on ? "❚❚ Pause" : "▶ Play";
     if (!on) return;
-    if (this.at >= this.end) this.at = 0;
+    if (this.fresh || this.at >= this.end) this.at = 0;
+    this.fresh = false;
     let last;
     const tick = now => {
       if (!this.playing || !this.canvas.isConnected) return;
@@ -106,6 +108,15 @@ class Player {
 
   attitude(which, time) {
     return attitude(this.motion.t, this.motion[which], time);
+  }
+
+  /** The time at which the student's attitude differs most from the exact one: what is shown before it plays. */
+  farthest() {
+    const apart = this.motion.t.map(time => {
+      const yours = this.attitude("yours", time);
+      return yours ? angleBetween(yours, this.attitude("exact", time)) : -1;
+    });
+    return this.motion.t[apart.indexOf(Math.max(...apart))];
   }
 
   draw() {
@@ -140,6 +151,9 @@ class Player {
       { from: scaled(along, half[axis]), to: along, colour: this.colours.axis, name: "ê" + "₁₂₃"[axis], over: along[2] > 0 },
       { from: scaled(seenL, way), to: seenL, colour: this.colours.momentum, name: "L", over: turned[2][out] * inBody[out] > 0 },
     ];
+    const [first, second] = arrows.map(arrow => this.label(arrow)); // where their names stand
+    if (Math.hypot(first[0] - second[0], first[1] - second[1]) < 18) second[0] += first[0] < second[0] ? 18 : -18;
+    [arrows[0].at, arrows[1].at] = [first, second];
     this.trail(which, -1);
     for (const arrow of arrows) if (!arrow.over) this.arrow(arrow);
     for (const k of [0, 1, 2]) this.face(turned, k, turned[2][k] > 0 ? 1 : -1);
@@ -161,7 +175,13 @@ class Player {
     pen.stroke(path);
   }
 
-  arrow({ from, to, colour, name }) {
+  /** Return the place of an arrow's name: beyond its tip. */
+  label({ from, to }) {
+    const [x0, y0] = this.project(from), [x, y] = this.project(scaled(to, TIP)), length = Math.hypot(x - x0, y - y0);
+    return length > 1 ? [x + 13 * (x - x0) / length, y + 13 * (y - y0) / length + 4] : [x, y - 9];
+  }
+
+  arrow({ from, to, colour, name, at }) {
     const { pen } = this, [x0, y0] = this.project(from), [x, y] = this.project(scaled(to, TIP)), length = Math.hypot(x - x0, y - y0);
     const [u, v] = length > 1 ? [(x - x0) / length, (y - y0) / length] : [0, -1];
     this.line([[x0, y0], [x, y]], colour, 2.5);
@@ -169,7 +189,7 @@ class Player {
     pen.beginPath();
     for (const [f, g] of [[4, 0], [-6, 4], [-6, -4]]) pen.lineTo(x + f * u - g * v, y + f * v + g * u);
     pen.fill();
-    pen.fillText(name, x + 13 * u, y + 13 * v + 4);
+    pen.fillText(name, ...at);
   }
 
   /** Draw the path of the axis' tip so far on a sphere around the box: the half towards the viewer (1) or away from it (-1). */

@@ -113,6 +113,6 @@ def test_a_comment_needs_words_and_an_existing_line(browsers, page, fields, mess
 
 def test_a_commented_line_of_a_long_source_is_shown():
     source, far = Submission("x = 1\n" * (MOST_LINES + 500)), MOST_LINES + 100
-    assert len(cells(source, [])[0].lines) == MOST_LINES
-    (shown,) = cells(source, [], [Comment(None, 1, far, "c", "prof", None)])
+    assert len(cells(source, {})[0].lines) == MOST_LINES
+    (shown,) = cells(source, {}, [Comment(None, 1, far, "c", "prof", None)])
     assert len(shown.lines) == far and shown.lines[-1].comments[0].comment == "c"

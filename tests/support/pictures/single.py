@@ -6,14 +6,20 @@ from uuid import UUID
 from playwright.sync_api import Browser, Page
 
 from service.store import gradings
-from tests.support.checkout import ROOT
 from tests.support.database import entered, run, sql
 from tests.support.pictures.browser import log_in, open_page, save, show, upper_part
 from tests.support.pictures.demonstration import submit
 
-SAMPLES = ROOT / "exercises/rigid_body/samples"
 STUDENTS = ("student-07", "student-11", "student-24")
-BACKWARDS = "wrong_time_reversed.py"  # two ✓, three ✗
+SIGN = """\
+def euler_eqs(t, w, I):
+    I1, I2, I3 = I
+    return np.array([
+        (I2 - I3) * w[1] * w[2] / I1,
+        (I3 - I1) * w[2] * w[0] / I2,
+        (I2 - I1) * w[0] * w[1] / I3,
+    ])
+"""
 RAISES = '''\
 def euler_eqs(t, w, I):
     """Angular acceleration of a body without torques."""
@@ -39,31 +45,22 @@ def animate_precession(t, R, L):
     while True:
         pass
 """  # an animation has the longest time limit
-# Beside nothing else the chart is large enough to be legible; the source stands before it.
-CHART_ONLY = "document.querySelectorAll('#source, .motion, .panels ~ *').forEach(one => one.remove())"
-PARTED = """() => document.querySelectorAll(".motion input[type=range]").forEach(slider => {
-    slider.value = Math.round(0.68 * slider.max);
-    slider.dispatchEvent(new Event("input"));
-})"""  # to where the motion about the intermediate axis is farthest from the exact one
 
 
 def draw_report(browser: Browser, address: str, url: str, file: Path) -> Path:
-    """Write the picture of a student's report: two ✓, three ✗ with their cause, and the chart of ω."""
-    source = (SAMPLES / BACKWARDS).read_text(encoding="utf-8")
-    id = submit(url, STUDENTS[0], "week2.py", source, ["2"])
-    with open_page(browser, width=1000, color_scheme="light") as page:
+    """Write the picture of a student's report: a sign error in Euler's equations, sent with exercises 2–5."""
+    id = submit(url, STUDENTS[0], "week2.py", SIGN, ["2", "3", "4", "5"])
+    with open_page(browser, width=1080, color_scheme="light") as page:
         _open_graded(page, address, entered(url, STUDENTS[0], None), id)
-        page.evaluate(CHART_ONLY)
-        return save(upper_part(page, "#figures .panels"), file)
+        return save(upper_part(page, ".exercises"), file)
 
 
 def draw_submission(browser: Browser, address: str, url: str, file: Path) -> Path:
-    """Write the picture of a submission for its instructor, down to the motion about the middle axis."""
+    """Write the picture of a submission for its instructor, down to its exercises."""
     id = submit(url, STUDENTS[1], "tuesday.py", RAISES, ["5"])
     with open_page(browser, width=1080, color_scheme="light") as page:
         _open_graded(page, address, entered(url, "prof", "instructor"), id)
-        page.evaluate(PARTED)
-        return save(upper_part(page, ".motion:nth-child(2)"), file)
+        return save(upper_part(page, ".exercises"), file)
 
 
 def draw_queue(browser: Browser, address: str, url: str, file: Path) -> Path:

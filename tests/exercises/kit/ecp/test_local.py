@@ -189,6 +189,10 @@ def shown(kit, rigid_body, tmp_path_factory):
         "zeros": ((rigid_body.folder / "samples" / "wrong_zeros.py").read_text(), ["2"]),
         "right": ((rigid_body.folder / "samples" / "right_terms.py").read_text(), ["5"]),
         "reversed": ("def euler_eqs(t, w, I):\n    return np.cross(w, I * w) / I\n", ["2", "3"]),
+        "sign": (
+            "def euler_eqs(t, w, I):\n    a, b, c = np.cross(I * w, w) / I\n    return [a, b, -c]\n",
+            ["2"],
+        ),
         "stopped": ("def euler_eqs(t, w, I):\n    return 1 / 0\n", ["2"]),
         "markup": ("def principal_moments(tensor):\n    raise ValueError('<script>alert(1)</script>')\n", []),
         "no exercise": ("", ["9"]),
@@ -219,14 +223,15 @@ def test_what_stops_the_code_is_told_with_its_own_line(shown):
     told = shown["stopped"]
     assert "[not measured: ZeroDivisionError: division by zero]" in told["lines"]
     assert told["text"].startswith(
-        "One cause explains 3 checks not measured:\n1. raises: ZeroDivisionError: division by zero\n"
+        "Fix this first:\n1. ZeroDivisionError: division by zero\n     line 2: return 1 / 0\n"
     )
-    assert told["text"].count("in euler_eqs") == 1 and "plays.py" not in told["text"]
+    assert told["text"].count("division by zero") == 1 and "plays.py" not in told["text"]
 
 
 def test_a_cause_that_follows_from_the_numbers_is_named_here_too(shown):
-    sentence = "sign-reversed: all three components have the opposite sign: the motion runs backwards in time"
+    sentence = "1. all three components have the opposite sign: the motion runs backwards in time\n"
     assert sentence in shown["reversed"]["text"] and sentence not in shown["zeros"]["text"]
+    assert "1. ω̇₃ has the opposite sign\n" in shown["sign"]["text"]
     assert "returns-zero" in shown["zeros"]["text"] and "likely" not in shown["right"]["text"]
 
 

@@ -35,11 +35,11 @@ def test_a_report_passes_if_there_is_a_check_and_every_one_is_passed(verdicts, p
         ),
         (
             {"total": 36, "not_attempted": ["1", "6"]},
-            "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6",
+            "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1 and 6",
         ),
         (
             {"total": 40, "max_points": 36, "bonus_points": 6},
-            "1 of 36 + 6 bonus points (public checks: 1 of 2)",
+            "1 of 36, +0 of 6 bonus points (public checks: 1 of 2)",
         ),
         ({"total": 36, "max_points": 36, "bonus_points": 0}, "1 of 36 points (public checks: 1 of 2)"),
         ({"total": 9, "local": True, "weighted": True}, "1 of 9 points of the public checks"),
@@ -51,6 +51,13 @@ def test_a_report_passes_if_there_is_a_check_and_every_one_is_passed(verdicts, p
 )
 def test_the_summary_states_the_points_out_of_all_there_are(more, summary):
     assert report_of_verdicts("+-", **more).summary() == summary
+
+
+def test_the_points_of_optional_functions_are_counted_apart():
+    outcomes = [outcome("a", points=3), outcome("b", bonus=True, points=2), outcome("c", "fail", bonus=True)]
+    one = report(outcomes, total=6, max_points=3, bonus_points=3)
+    assert (one.score, one.bonus, one.points) == (5, 2, "3 of 3, +2 of 3 bonus")
+    assert read(Report, document(one)).points == one.points
 
 
 @pytest.mark.parametrize(

@@ -126,7 +126,7 @@ def test_while_the_cells_run(sandbox, source):
 def test_in_a_function(sandbox, source):
     end = ends(sandbox, inside(source), "cell 1").scene_ends["scene"]
     assert end.ended is Ended.RAISED and end.sentence.startswith(REFUSED[source])
-    assert end.sentence.endswith(")") and end.raised_at().startswith("cell 1, line ")
+    assert end.sentence.endswith(")") and str(end.line()).startswith("cell 1, line ")
 
 
 @pytest.mark.parametrize("source", ORDINARY)

@@ -11,8 +11,12 @@ from collections.abc import Sequence
 from uuid import UUID
 
 from procrastinate import App, PsycopgConnector
+from procrastinate.exceptions import ConnectorException
+from procrastinate.jobs import Status
+from procrastinate.manager import JobManager
 from procrastinate.types import JSONValue
 from psycopg import AsyncConnection
+from psycopg.errors import RaiseException
 
 from service.settings import DATABASE_WAIT_S
 from service.store.database import Connection, connect_options
@@ -25,9 +29,23 @@ RECONNECT_S = (
 STEP = 1000  # priority between kinds; within a kind, a person's n-th open grading ranks n lower
 
 
+class Jobs(JobManager):
+    """Finishes jobs, also those that were dropped meanwhile: a run that failed or counts as lost has its
+    grading queued again in another job.
+    """
+
+    async def finish_job_by_id_async(self, job_id: int, status: Status, delete_job: bool) -> None:
+        """Finish a job, or do nothing if it is gone."""
+        try:
+            await super().finish_job_by_id_async(job_id, status, delete_job)
+        except ConnectorException as error:
+            if not isinstance(error.__cause__, RaiseException):
+                raise
+
+
 def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
     """Return a Procrastinate application on the database; the caller opens it to take jobs."""
-    return App(
+    app = App(
         connector=PsycopgConnector(
             conninfo=url,
             kwargs=connect_options(name),
@@ -38,6 +56,8 @@ def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
             reconnect_timeout=RECONNECT_S,
         )
     )
+    app.job_manager = Jobs(app.connector)
+    return app
 
 
 async def _configure(connection: AsyncConnection) -> None:

@@ -170,7 +170,7 @@ class Worker:
             log.info("stopped: the grading has a result already")
             await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
         except Exception as error:
-            log.exception("grading failed")
+            log.error("grading failed: %s", error, exc_info=not isinstance(error, SystemFault))
             await patiently(
                 partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S
             )

@@ -17,7 +17,7 @@ from service.cli.database import database_url, run_async
 from service.grading.submission import Submission
 from service.settings import Settings
 from service.store import queue_overview
-from service.store.course import deadlines, people
+from service.store.course import deadlines, people, tokens
 from service.store.database import Database
 from service.store.records import NewSubmission
 from service.store.submissions import accept, register
@@ -60,7 +60,11 @@ FAMILY = [
     "Moreau",
     "Novak",
 ]
-STUDENTS, BY = 40, "demo"
+STUDENTS, BY, INSTRUCTOR = 40, "demo", "instructor"
+_BUSIEST = """
+SELECT p.name, p.full_name FROM person p LEFT JOIN submission s ON s.person_id = p.id
+WHERE starts_with(p.name, 'student-') GROUP BY p.id ORDER BY count(s.id) DESC, p.name LIMIT 1
+"""
 # The samples submitted and their relative frequencies: first tries, then final submissions.
 TRIES = {
     "wrong_sign_flipped.py": 7,
@@ -94,6 +98,27 @@ def add_class(settings: Settings, slugs: Sequence[str]) -> int:
     """
     with database_url(settings) as url:
         return run_async(url, lambda database: _add_class(database, [assignments()[slug] for slug in slugs]))
+
+
+def logins(settings: Settings) -> dict[str, str]:
+    """Return new tokens by whose they are: an instructor's, and that of the student with most submissions."""
+    with database_url(settings) as url:
+        return run_async(url, _logins)
+
+
+async def _logins(database: Database) -> dict[str, str]:
+    busiest = await database.one(_BUSIEST)
+    found = {}
+    async with database.begin() as connection:
+        await people.enroll(connection, [(INSTRUCTOR, "instructor", "Iris Weber")])
+        for role, name in (
+            ("the instructor", INSTRUCTOR),
+            (f"the student {busiest.full_name}", busiest.name),
+        ):
+            found[role] = await tokens.create(
+                connection, name, label="demonstration", scopes=tokens.SCOPES, seconds=tokens.DAY_S
+            )
+    return found
 
 
 async def _add_class(database: Database, chosen: Sequence[Assignment]) -> int:

@@ -8,6 +8,7 @@
 //                          If a file is the answer, it is downloaded, and data-downloaded takes the form's place
 //   form[data-drop]        takes a file that is dropped on it; a [data-question] in the page that answers is shown in it, with the file kept
 //   select[data-limits=NAME] sets the maximum of the field NAME to data-max of the chosen option, and shows it in the form's [data-limit]
+//   input[data-token]      is filled with the token of a link to /login#token=…
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
 // Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
@@ -282,6 +283,16 @@ function reveal() {
   if (closed) target.scrollIntoView();
 }
 
+// ---- tokens in a link: what follows # is not sent to the server
+
+function fillToken(field) {
+  const token = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (!token) return;
+  field.value = token;
+  history.replaceState(null, "", location.pathname + location.search);
+  field.form.querySelector("button.main").focus();
+}
+
 // ---- initialization
 
 function prepare(root) {
@@ -319,3 +330,4 @@ prepare(document);
 addEventListener("hashchange", reveal);
 reveal();
 for (const element of all("[data-live][id]")) live(element);
+for (const field of all("input[data-token]")) fillToken(field);

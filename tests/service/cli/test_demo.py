@@ -1,5 +1,6 @@
 """The demonstration as a newcomer runs it."""
 
+import json
 import os
 import re
 import signal
@@ -13,16 +14,21 @@ from dataclasses import replace
 
 import pytest
 
+from ecp.document import document
+from ecp.outcome import Diagnosis
 from exercises.samples import samples
 from service.cli import demo
 from service.cli.demo_class import add_class
 from service.settings import Settings
 from tests.support.database import sql
 from tests.support.fake_server import Scripted, says
+from tests.support.reports import outcome, report
+
+MOST_LINES = 120
 
 
 @pytest.mark.slow
-def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report(
+def test_it_sends_samples_prints_a_table_and_names_those_with_another_report(
     real_server, monkeypatch, capsys
 ):
     wanted = {"right_terms.py", "wrong_zeros.py"}
@@ -34,11 +40,29 @@ def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report
     monkeypatch.setattr(demo, "samples", some)
     monkeypatch.setattr(demo, "SLUGS", ["rigid-body"])
     assert demo._grade_all(real_server.url) == ["wrong_zeros.py"]
-    printed = capsys.readouterr().out
-    assert (
-        printed.count("rotational energy conserved (torque-free)   [") == 2
-        and f"[1/2] rigid-body: right_terms.py   {real_server.url}/" in printed
-    )
+    head, right_row, wrong_row = capsys.readouterr().out.strip().splitlines()
+    assert head.split() == ["rigid-body", "points", "seconds", "first", "cause"]
+    assert re.fullmatch(r"✓  right_terms\.py +23 of 23 +\d+\.\d", right_row), right_row
+    assert re.fullmatch(
+        r"✗  wrong_zeros\.py +\d+ of 23 +\d+\.\d  euler_eqs returns zeros for all arguments", wrong_row
+    ), wrong_row
+
+
+def test_a_sample_that_could_not_be_graded_is_graded_once_more(monkeypatch):
+    fault, graded = {"id": "1", "fault": "too busy", "report": None}, {"id": "2", "report": {}}
+    answers = [fault, graded]
+    monkeypatch.setattr(demo, "_submit", lambda *sent: answers.pop(0))
+    document, _, why = demo._graded("", "rigid-body", "a.py", "", None)
+    assert (document, why, answers) == (graded, "too busy", [])
+    answers[:] = [fault, fault]
+    row = demo._row("a.py", demo._graded("", "rigid-body", "a.py", "", None)[0], 1.0)
+    assert row.startswith("!  a.py") and row.endswith("not graded: too busy")
+
+
+def test_a_long_cause_is_cut_and_the_report_of_the_first_cause_is_named():
+    long = Diagnosis("units", "x" * 200, 1.0)
+    row = demo._row("a.py", {"report": document(report([outcome("a", "fail", diagnosis=[long])]))}, 2.0)
+    assert row == f"✗  {'a.py':40}    0 of 1      2.0  {'x' * 79}…"
 
 
 @pytest.mark.slow
@@ -99,11 +123,19 @@ def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_pa
             assert line, told[-2000:]
             told += line
         assert "every sample got its expected report" in told
-        assert told.count("rotational energy conserved (torque-free)   [") > 20
+        assert len(told.splitlines()) < MOST_LINES and "Traceback" not in told
+        assert told.count("Fix this first:") == 1 and "Job was not found" not in told
         address = re.search(r"open (http://127\.0\.0\.1:\d+/)", told)[1]
         assert re.search(rb"<b>\d\d/40</b> submitted", urllib.request.urlopen(address, timeout=10).read())
         with urllib.request.urlopen(f"{address}assignments/rigid-body/class/students", timeout=10) as answer:
             assert b'<td class="pass">' in answer.read(), "what was graded so far is shown"
+        given = re.findall(r"Log in as the (instructor|student) ?(.*):\n  (\S+)/login#token=(\S+)", told)
+        assert [role for role, *_ in given] == ["instructor", "student"]
+        for role, name, _, token in given:
+            request = urllib.request.Request(f"{address}v1/me", headers={"Authorization": f"Bearer {token}"})
+            with urllib.request.urlopen(request, timeout=10) as answer:
+                person = json.load(answer)["person"]
+            assert person == "instructor" if role == "instructor" else person.startswith("student-") and name
         process.send_signal(signal.SIGINT)
         process.stdout.close()
         assert process.wait(30) == 0

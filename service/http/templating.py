@@ -28,6 +28,7 @@ def find_zone(name: str) -> tzinfo:
         return UTC
 
 
+HALF_YEAR_S = 182 * 86400.0
 ZONE: ContextVar[tzinfo] = ContextVar("ZONE", default=UTC)
 """The time zone in which the pages of a request show times and read those of forms."""
 
@@ -58,6 +59,26 @@ def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
     shown = at.astimezone(ZONE.get()).strftime("%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M")
     return Markup('<time datetime="{}">{}</time>').format(
         at.astimezone(UTC).isoformat(timespec="seconds"), shown
+    )
+
+
+def format_relative(at: datetime | None) -> Markup | str:
+    """Return how far the time is from now, "in 2 days", or a date if that is more than two weeks, as a
+    ``<time>`` element whose title is the time itself.
+    """
+    if at is None:
+        return "–"
+    local, seconds = at.astimezone(ZONE.get()), (at - datetime.now(UTC)).total_seconds()
+    lengths = ((90, 1, ""), (5400, 60, "min"), (129600, 3600, "h"), (1209600, 86400, "day"))
+    shown = f"on {local.day} {local:%B}" + (f" {local.year}" if abs(seconds) > HALF_YEAR_S else "")
+    for most, length, unit in lengths:
+        if abs(seconds) < most:
+            count = round(abs(seconds) / length)
+            span = f"{count} {unit}{'s' * (unit == 'day' and count != 1)}"
+            shown = "now" if not unit else f"in {span}" if seconds > 0 else f"{span} ago"
+            break
+    return Markup('<time datetime="{}" title="{}">{}</time>').format(
+        at.astimezone(UTC).isoformat(timespec="seconds"), f"{local:%Y-%m-%d %H:%M} {ZONE.get()}", shown
     )
 
 
@@ -98,6 +119,7 @@ def _common_context(request: Request) -> dict[str, Any]:
 
 ENVIRONMENT.filters |= {
     "moment": format_time,
+    "relative": format_relative,
     "input": format_input,
     "duration": format_duration,
     "span": format_span,

@@ -2,17 +2,19 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from statistics import median
 
 from markupsafe import Markup
 
 from service.http.templating import ZONE
+from service.pages.time_axis import ticks
 from service.store.course.gradebook import StudentRow
 
 WIDE, HIGH = 360, 200  # view box of a chart
 LEFT, RIGHT, TOP, BOTTOM = 30, 8, 30, 34  # its margins; the numbers of the axes and their titles stand there
 MOST_BINS = 12
+SHORTEST = timedelta(minutes=2)  # that an axis of time shows
 NAMES = 74  # width of the names right of the curves
 _TEXT = Markup('<text x="{:.1f}" y="{:.1f}" class="{}">{}</text>')
 _LINE = Markup('<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" class="{}"></line>')
@@ -66,25 +68,24 @@ def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None)
     until = max(
         [s.sent_at[-1] for s in students if s.sent_at] + ([min(due_at, datetime.now(UTC))] if due_at else [])
     )
-    start, seconds = first[0], max((until - first[0]).total_seconds(), 3600.0)
-    across = (WIDE - LEFT - RIGHT - NAMES) / seconds
+    start = first[0]
+    until = max(until, start + SHORTEST)
+    across = (WIDE - LEFT - RIGHT - NAMES) / (until - start).total_seconds()
 
     def x(at: datetime) -> float:
         return LEFT + across * (at - start).total_seconds()
 
     marks = [_axes("", "students")]
-    for place, at in (("start", start), ("middle", start + (until - start) / 2), ("end", until)):
-        marks.append(
-            _TEXT.format(
-                x(at), HIGH - BOTTOM + 13, f"{place} quiet", at.astimezone(ZONE.get()).strftime("%d %b %H:%M")
-            )
-        )
+    for at, label in ticks(start, until):
+        marks.append(_LINE.format(x(at), HIGH - BOTTOM, x(at), HIGH - BOTTOM + 3, "axis"))
+        marks.append(_TEXT.format(x(at), HIGH - BOTTOM + 13, "middle quiet", label))
     marks.append(_TEXT.format(WIDE - RIGHT, HIGH - 4, "end quiet", f"time ({ZONE.get()})"))
     if due_at and start <= due_at <= until:
-        marks += [
-            _LINE.format(x(due_at), TOP, x(due_at), HIGH - BOTTOM, "due"),
-            _TEXT.format(x(due_at), TOP - 4, "middle quiet", "deadline"),
-        ]
+        marks.append(_LINE.format(x(due_at), TOP, x(due_at), HIGH - BOTTOM, "due"))
+        marks.append(_TEXT.format(x(due_at), TOP - 4, "middle quiet", "deadline"))
+    elif due_at and due_at > until:
+        told = f"deadline {due_at.astimezone(ZONE.get()):%d %b %H:%M} →"
+        marks.append(_TEXT.format(x(until), TOP - 4, "end quiet", told))
     ends = []
     for name, reached, kind in (("submitted", first, "line"), ("full marks", full, "line pass")):
         y, path = float(HIGH - BOTTOM), f"M{LEFT} {HIGH - BOTTOM}"

@@ -1,5 +1,6 @@
 """The home page, a student's page of an assignment, and the audit log."""
 
+import asyncio
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -21,6 +22,7 @@ from service.formats.grade_row import total_percent
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
+from service.pages import course_cards, notebook_text, task
 from service.pages.rejected_forms import post_form
 from service.store.course import course_settings, gradebook, progress
 from service.store.course.audit import MOST, entries
@@ -38,20 +40,13 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     isolation, reason = await workers.current()
     order = list(assignments())
     overview = [row for row in await gradebook.overview(database) if row.slug in order]
-    overview.sort(
-        key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug))
-    )
-    own = (
-        []
-        if staff
-        else [
-            one
-            for one in await grades(database, person=person.name)
-            if one.assignment in order and one.released
-        ]
-    )
+    mine = {} if staff else await progress.own(database, person.name)
+    counted = [] if staff else await grades(database, person=person.name)
+    own = [one for one in counted if one.assignment in order and one.released]
+    groups = course_cards.groups(overview, mine, order)
     context = {
         "staff": staff,
+        "course": await course_settings.read(database),
         "own": {one.assignment: one for one in own},
         "total": total_percent(own, graded=True),
         "rows": [
@@ -60,10 +55,11 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "assignments": assignments(),
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
+        "groups": groups,
+        "next": course_cards.next_deadline(groups, mine),
         "weights": sum(row.weight for row in overview),
         "medians": await progress.medians(database) if staff else {},
-        "most": {slug: one.max_points() for slug, one in assignments().items()},
-        "standings": {} if staff else await progress.own(database, person.name),
+        "standings": mine,
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
@@ -96,8 +92,17 @@ async def own_submissions(
     context = {"assignment": assignment, "person": person.name, "history": history}
     context["late_penalty"] = (await course_settings.read(database)).late_penalty
     context["same"] = next((s for s in history.submissions if str(s.id) == same), None)
-    context |= {"best": best, "last": last, "most": assignment.max_points()}
+    context |= {"best": best, "last": last, "most": assignment.most_points}
+    context |= {"exercises": task.exercises(assignment, best), "limits": task.limits(assignment)}
     return templates.TemplateResponse(request, "submissions.html", context)
+
+
+@router.get("/assignments/{slug}/notebook", response_class=HTMLResponse)
+async def read_notebook(request: Request, person: CurrentUser, assignment: Assigned) -> Response:
+    """Show the students' notebook to read."""
+    blocks = await asyncio.to_thread(lambda: notebook_text.blocks(assignment.notebook()))
+    context = {"assignment": assignment, "blocks": blocks}
+    return templates.TemplateResponse(request, "notebook.html", context)
 
 
 @post_form(router, "/assignments/{slug}/submissions", page=own_submissions, at="/assignments/{slug}")

@@ -1,4 +1,4 @@
-"""Settings of the course: time zone, late penalty, weights, and when the students see scores."""
+"""Settings of the course: name, term, time zone, late penalty, weights, and when the students see scores."""
 
 from collections.abc import Sequence
 from zoneinfo import available_timezones
@@ -22,6 +22,7 @@ from service.store.database import Row, is_outage
 
 router = APIRouter()
 MOST_WEIGHT = 1000
+MOST_NAME = 200  # characters of the course's name, and of its term
 
 
 async def use_course_zone(database: Db) -> None:
@@ -49,7 +50,7 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
 
 @post_form(router, "/settings", page=show, at="/settings")
 async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
-    """Save time zone, late penalty and the weights of the assignments."""
+    """Save name and term, time zone, late penalty and the weights of the assignments."""
     zone = forms.field(form, "time_zone") or "UTC"
     if str(find_zone(zone)) != zone:
         raise Problem(
@@ -59,7 +60,11 @@ async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
             "/time_zone",
         )
     settings = CourseSettings(
-        zone, _percent(form, "late_penalty", 0.0), _percent(form, "late_penalty_limit", 100.0)
+        title=forms.field(form, "title", MOST_NAME),
+        term=forms.field(form, "term", MOST_NAME),
+        time_zone=zone,
+        late_penalty=_percent(form, "late_penalty", 0.0),
+        late_penalty_limit=_percent(form, "late_penalty_limit", 100.0),
     )
     weights = {
         row.slug: forms.number(form, name, 0, MOST_WEIGHT, float(row.weight))

@@ -1,5 +1,5 @@
-"""Settings of the course: its time zone, the late penalty, and when the students see scores and the details
-of hidden checks.
+"""Settings of the course: its name, term and time zone, the late penalty, and when the students see scores
+and the details of hidden checks.
 """
 
 from collections.abc import Mapping
@@ -14,10 +14,12 @@ RELEASES = ("immediately", "deadline", "manually")
 
 @dataclass(frozen=True)
 class CourseSettings:
-    """The name of the time zone, and the share of the points that a submission loses for each day late, up to
-    a limit (0 to 1).
+    """The course's name and term, "" if it has none, the name of its time zone, and the share of the points
+    that a submission loses for each day late, up to a limit (0 to 1).
     """
 
+    title: str = ""
+    term: str = ""
     time_zone: str = "UTC"
     late_penalty: float = 0.0
     late_penalty_limit: float = 1.0
@@ -64,10 +66,10 @@ async def release(
         await audit.record(connection, actor, "release", slug, {"scores": scores, "details": details})
 
 
-_COLUMNS = "time_zone, late_penalty, late_penalty_limit"
+_COLUMNS = "title, term, time_zone, late_penalty, late_penalty_limit"
 
 _SET = """
-UPDATE course SET time_zone = :time_zone, late_penalty = :late_penalty,
+UPDATE course SET title = :title, term = :term, time_zone = :time_zone, late_penalty = :late_penalty,
     late_penalty_limit = :late_penalty_limit
 WHERE slug = :course
 """

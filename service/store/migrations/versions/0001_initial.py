@@ -25,7 +25,8 @@ def _create_course() -> None:
     CREATE TABLE course (
         id uuid PRIMARY KEY DEFAULT gen_random_uuid(),
         slug text NOT NULL UNIQUE,
-        title text NOT NULL,
+        title text NOT NULL DEFAULT '',
+        term text NOT NULL DEFAULT '',
         time_zone text NOT NULL DEFAULT 'UTC',
         -- Shares of the points, from 0 to 1: lost for each day begun, and lost at most.
         late_penalty double precision NOT NULL DEFAULT 0 CHECK (late_penalty BETWEEN 0 AND 1),
@@ -318,7 +319,7 @@ def _forbid_changes() -> None:
 
 def _insert_first_rows() -> None:
     # The student without login of a server that runs for one person.
-    op.execute("INSERT INTO course (slug, title) VALUES ('local', 'This server')")
+    op.execute("INSERT INTO course (slug) VALUES ('local')")
     op.execute("INSERT INTO person (name) VALUES ('local')")
     op.execute("INSERT INTO member SELECT course.id, person.id, 'student' FROM course, person")
     # Signs the forms of the pages.

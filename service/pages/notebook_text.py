@@ -1,0 +1,60 @@
+"""An assignment's notebook as text to read on a page, without running it."""
+
+import json
+import re
+from dataclasses import dataclass
+
+from markupsafe import Markup, escape
+
+HEADING = re.compile(r"(#{1,6}) +(.+)")
+SPANS = (
+    (re.compile(r"`([^`\n]+)`"), "<code>{}</code>"),
+    (re.compile(r"\*\*([^*\n]+)\*\*"), "<b>{}</b>"),
+    (re.compile(r"(?<![*\w])\*([^*\n]+)\*(?!\w)"), "<i>{}</i>"),
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A part of a notebook: its ``kind``, "heading", "text" or "code", and its text, as HTML unless it is
+    code.
+    """
+
+    kind: str
+    text: Markup | str
+
+
+def blocks(notebook: str) -> list[Block]:
+    """Return the cells of a notebook, JSON text, as blocks: a cell of text has one for each heading and for
+    what stands between; formulas stay TeX.
+    """
+    found = []
+    for cell in json.loads(notebook)["cells"]:
+        source = "".join(cell["source"]).strip("\n")
+        if cell["cell_type"] == "code":
+            found.append(Block("code", source))
+        elif cell["cell_type"] == "markdown":
+            found += _text(source)
+    return [block for block in found if block.text]
+
+
+def _text(source: str) -> list[Block]:
+    found, paragraph = [], list[str]()
+    for line in [*source.split("\n"), "# "]:
+        heading = HEADING.fullmatch(line.rstrip())
+        if heading or line == "# ":
+            found.append(Block("text", _spans("\n".join(paragraph).strip("\n"))))
+            paragraph = []
+        if heading:
+            found.append(Block("heading", _spans(heading[2])))
+        else:
+            paragraph.append(line)
+    return found
+
+
+def _spans(text: str) -> Markup:
+    """Return the text escaped, with code, bold and italic words as HTML."""
+    shown = str(escape(text))
+    for pattern, form in SPANS:
+        shown = pattern.sub(lambda found, form=form: form.format(found[1]), shown)  # type: ignore[misc]
+    return Markup(shown)  # noqa: S704

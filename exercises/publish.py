@@ -34,7 +34,7 @@ import ecp
 SERVER = "{{{{SERVER}}}}"
 ecp.connect(SERVER, assignment="{slug}")
 ecp.login()"""
-SUBMIT_NOTE = '# Run All does not submit. To submit, remove the "# " from the next line.'
+SUBMIT_NOTE = '# Run All does not submit. Run the cells above first; then remove the "# " from the next line.'
 EMPTY = "# your code here"
 
 

@@ -35,16 +35,16 @@ def at_point(index: tuple[int, ...], seen: Arrays) -> str:
 
 
 def _vector(numbers: Arrays) -> str:
-    return f"({', '.join(f'{x:.4g}' for x in numbers)})"
+    return f"({', '.join(f'{x:z.4g}' for x in numbers)})"
 
 
 def _compared(seen: Arrays, name: str, index: tuple[int, ...]) -> str:
     got, expected = float(seen[name][index]), float(seen["exact"][index])
-    few, digits = f"{got:.4g}", 4
-    while few == f"{expected:.{digits}g}" and digits < 17:  # enough digits to show a difference
+    few, digits = f"{got:z.4g}", 4
+    while few == f"{expected:z.{digits}g}" and digits < 17:  # enough digits to show a difference
         digits += 1
-        few = f"{got:.{digits}g}"
-    return f"got {few}, expected {expected:.{digits}g}"
+        few = f"{got:z.{digits}g}"
+    return f"got {few}, expected {expected:z.{digits}g}"
 
 
 def at_body(index: tuple[int, ...], seen: Arrays) -> str:

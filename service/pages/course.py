@@ -97,6 +97,12 @@ async def own_submissions(
     return templates.TemplateResponse(request, "submissions.html", context)
 
 
+@router.get("/help", response_class=HTMLResponse)
+async def show_help(request: Request, person: OptionalUser) -> Response:
+    """Show how to log in, submit, read a report and ask for a regrade."""
+    return templates.TemplateResponse(request, "help.html", {})
+
+
 @router.get("/assignments/{slug}/notebook", response_class=HTMLResponse)
 async def read_notebook(request: Request, person: CurrentUser, assignment: Assigned) -> Response:
     """Show the students' notebook to read."""

@@ -226,11 +226,11 @@ def test_enter_opens_a_row_and_a_letter_in_a_field_is_a_letter(page, server):
     page.keyboard.press("/")
     page.keyboard.type("jo")
     assert page.locator("input").input_value() == "jo" and page.locator("tr:visible").count() == 0
-    assert page.get_by_role("status").inner_text() == "0 of 3 rows"
+    assert page.locator("[aria-live]").inner_text() == "0 of 3 rows"
     page.locator("input").fill("ZOE")
     assert (
         page.locator("tr:visible").all_inner_texts() == ["Zoë"]
-        and page.get_by_role("status").inner_text() == "1 of 3 rows"
+        and page.locator("[aria-live]").inner_text() == "1 of 3 rows"
     )
     page.locator("input").fill("be")
     page.locator("input").blur()
@@ -275,7 +275,7 @@ def test_the_list_of_keys_opens_by_key_and_button_and_turns_them_off(page, serve
     page = page()
     bare(page, server, ROWS)
     page.keyboard.press("?")
-    dialog = page.get_by_role("dialog", name="Keyboard shortcuts")
+    dialog = page.get_by_role("dialog", name="Help")
     assert dialog.is_visible() and "next row" in dialog.inner_text()
     page.keyboard.press("j")
     page.get_by_label("enable letter shortcuts").uncheck()
@@ -283,7 +283,7 @@ def test_the_list_of_keys_opens_by_key_and_button_and_turns_them_off(page, serve
     assert not dialog.is_visible()
     page.keyboard.press("j")
     assert focused(page) not in ("Zoë", "Ben", "Bea")
-    page.get_by_role("button", name="Keyboard shortcuts").click()
+    page.get_by_role("button", name="Help").click()
     page.get_by_label("enable letter shortcuts").check()
     page.get_by_role("button", name="Close").click()
     page.keyboard.press("j")

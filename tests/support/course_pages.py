@@ -73,6 +73,8 @@ async def _fill(database, url, sandbox, source, texts):
         "class": f"{BASE}/class",
         "account": "/account",
         "login": "/login",
+        "help": "/help",
+        "notebook": f"{BASE}/notebook",
     }
     paths |= {tab: f"{BASE}/class/{tab}" for tab in ("students", "checks", "settings", "submissions")}
     paths |= {

@@ -21,12 +21,12 @@ PRODUCT = "rtol × (sensitivity + angle turned) × safety, computed for each sce
 
 def at_time(index: tuple[int, ...], seen: Arrays) -> str:
     """Return the time of an index into a series (n,)."""
-    return f"t = {seen['t'][index[0]]:.4g} s"
+    return f"t = {seen['t'][index[0]]:z.4g} s"
 
 
 def at_component(index: tuple[int, ...], seen: Arrays) -> str:
     """Return component and time of an index into ω (3, n)."""
-    return f"ω{'₁₂₃'[index[0]]}, t = {seen['t'][index[1]]:.4g} s"
+    return f"ω{'₁₂₃'[index[0]]}, t = {seen['t'][index[1]]:z.4g} s"
 
 
 def omega(id: str, label: str, scene: str) -> Check:
@@ -59,7 +59,7 @@ def attitude(id: str, label: str, scene: str) -> Check:
         scale=lambda truth: 1.0,
         limit=as_closely,
         reason=PRODUCT,
-        locate=lambda index, seen: f"R{index[1] + 1}{index[2] + 1}, t = {seen['t'][index[0]]:.4g} s",
+        locate=lambda index, seen: f"R{index[1] + 1}{index[2] + 1}, t = {seen['t'][index[0]]:z.4g} s",
     )
 
 

@@ -11,10 +11,10 @@
 //   input[data-token]      is filled with the token of a link to /login#token=…
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
-// Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
+// Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog, which is help, turns them off.
 
 const KEYS = [["j", "next row"], ["k", "previous row"], ["o or Enter", "open the row"], ["arrows, Home, End", "move between the cells of the class table"],
-  ["/", "filter the table"], ["?", "show this list"]];
+  ["/", "filter the table"], ["?", "show this help"]];
 const all = (selector, root = document) => [...root.querySelectorAll(selector)];
 const make = (name, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(name), properties);
@@ -24,13 +24,17 @@ const make = (name, properties = {}, ...children) => {
 
 // ---- announcements
 
-const announcement = make("p", { className: "announcement", role: "status" });
-document.body.append(announcement);
+const spoken = make("p", { className: "hidden" }); // for screen readers only
+spoken.setAttribute("aria-live", "polite");
+const announcement = make("p", { className: "announcement notice", role: "status" }); // in the flow of the page: it covers nothing
+document.body.append(spoken);
+(document.getElementById("main") ?? document.body).prepend(announcement);
 const announce = text => { if (announcement.textContent !== text) announcement.textContent = text; };
 
 function announceSaved(text) {
+  if (!text) return;
+  document.getElementById(decodeURIComponent(location.hash.slice(1)))?.before(announcement); // where the form was
   announce(text);
-  setTimeout(() => { if (announcement.textContent === text) announce(""); }, 10_000); // it lies over the page
 }
 
 // ---- rows
@@ -92,7 +96,7 @@ function filter(input) {
     entry.tabIndex = -1;
     (table.matches("[data-grid]") ? focusable(shown.cells[0]) : shown).tabIndex = 0;
   }
-  announce(wanted ? `${known.filter(row => !row.hidden).length} of ${known.length} rows` : `all ${known.length} rows`);
+  spoken.textContent = wanted ? `${known.filter(row => !row.hidden).length} of ${known.length} rows` : `all ${known.length} rows`;
 }
 
 // ---- keys
@@ -107,7 +111,8 @@ function showKeys() {
   const box = make("input", { type: "checkbox", checked: !shortcutsOff() });
   box.addEventListener("change", () => { try { localStorage.setItem("keys", box.checked ? "on" : "off"); } catch { /* storage is disabled */ } });
   const close = make("form", { method: "dialog" }, make("button", { textContent: "Close" }));
-  help.replaceChildren(make("h2", { id: "keys-title", textContent: "Keyboard shortcuts" }), list, make("p", {}, make("label", {}, box, " enable letter shortcuts")), close);
+  const more = make("p", {}, make("a", { href: "/help", textContent: "How to submit, read a report and ask for a regrade" }));
+  help.replaceChildren(make("h2", { id: "keys-title", textContent: "Help" }), more, make("h3", { textContent: "Keyboard shortcuts" }), list, make("p", {}, make("label", {}, box, " enable letter shortcuts")), close);
   if (!help.open) help.showModal();
 }
 
@@ -209,6 +214,7 @@ function download(form, name, content) {
 const KEEPALIVE_BYTES = 60000; // browsers allow 64 KiB
 
 async function send(form, submitter) {
+  announce("");
   announce("");
   document.getElementById("refused")?.remove();
   for (const field of all("[aria-invalid]", form)) for (const name of ["aria-invalid", "aria-describedby"]) field.removeAttribute(name);
@@ -320,8 +326,8 @@ document.addEventListener("submit", event => {
 });
 const bar = document.querySelector("header nav");
 if (bar) {
-  const button = make("button", { type: "button", className: "keys", textContent: "?", title: "Keyboard shortcuts" });
-  button.setAttribute("aria-label", "Keyboard shortcuts");
+  const button = make("button", { type: "button", className: "keys", textContent: "?", title: "Help" });
+  button.setAttribute("aria-label", "Help");
   button.addEventListener("click", showKeys);
   bar.append(button);
 }

@@ -139,7 +139,7 @@ def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
         )
 
     def place(index: tuple[int, ...], seen: Arrays) -> str:
-        return f"t = {times(question)[index[-1]]:.4g}, {_at_start(question, seen, index[0])}"
+        return f"t = {times(question)[index[-1]]:z.4g}, {_at_start(question, seen, index[0])}"
 
     made = [Check(f"{id}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
     for quantity, (text, allowed) in question["conserved"].items():

@@ -126,7 +126,9 @@ def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_pa
         assert len(told.splitlines()) < MOST_LINES and "Traceback" not in told
         assert told.count("Fix this first:") == 1 and "Job was not found" not in told
         address = re.search(r"open (http://127\.0\.0\.1:\d+/)", told)[1]
-        assert re.search(rb"<b>\d\d/40</b> submitted", urllib.request.urlopen(address, timeout=10).read())
+        assert re.search(
+            rb"\d\d of 40 students submitted", urllib.request.urlopen(address, timeout=10).read()
+        )
         with urllib.request.urlopen(f"{address}assignments/rigid-body/class/students", timeout=10) as answer:
             assert b'<td class="pass">' in answer.read(), "what was graded so far is shown"
         given = re.findall(r"Log in as the (instructor|student) ?(.*):\n  (\S+)/login#token=(\S+)", told)

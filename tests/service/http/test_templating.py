@@ -1,11 +1,12 @@
 """What a template shows of a stranger's text: escaped, and nothing in it that turns the text beside it."""
 
 import re
+from datetime import UTC, datetime, timedelta
 
 import pytest
 from markupsafe import Markup
 
-from service.http.templating import ENVIRONMENT, format_span
+from service.http.templating import ENVIRONMENT, format_relative, format_span
 from service.sandbox.untrusted_text import BIDI_CONTROLS
 
 
@@ -55,3 +56,28 @@ def test_a_grace_period_is_named_in_its_longest_whole_unit():
         0: "0 min",
     }
     assert {seconds: format_span(seconds) for seconds in spans} == spans
+
+
+@pytest.mark.parametrize(
+    ("away", "words"),
+    [
+        (timedelta(seconds=20), "now"),
+        (timedelta(minutes=45, seconds=5), "in 45 min"),
+        (timedelta(hours=30, seconds=5), "in 30 h"),
+        (timedelta(days=2, hours=5), "in 2 days"),
+        (-timedelta(days=3, seconds=5), "3 days ago"),
+        (-timedelta(hours=2, seconds=5), "2 h ago"),
+    ],
+)
+def test_a_time_is_said_as_seen_from_now_and_exactly_on_hover(away, words):
+    at = datetime.now(UTC) + away
+    told = format_relative(at)
+    assert told.endswith(f">{words}</time>") and f'title="{at:%Y-%m-%d %H:%M} UTC"' in told
+
+
+def test_a_far_time_is_a_date_with_its_year_if_that_is_another():
+    soon, far = (datetime.now(UTC) + timedelta(days=days) for days in (30, 400))
+    assert f">on {soon.day} {soon:%B}</time>" in format_relative(soon)
+    assert (
+        f">on {far.day} {far:%B} {far.year}</time>" in format_relative(far) and format_relative(None) == "–"
+    )

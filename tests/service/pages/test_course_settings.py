@@ -118,13 +118,13 @@ def test_a_late_penalty_reaches_every_export_the_api_and_the_pages(server, url, 
         one = json.loads(call(server, f"/v1/submissions/{listed['id']}", **ann)[2])
         assert (one["penalty"], one["final"], one["report"]["score"]) == (penalty, final, 2)
         assert (
-            f"<b>{final} of 36 + 6 bonus points</b> after a late penalty of {penalty}"
+            f"<b>{final} of 36 points</b> after a late penalty of {penalty}"
             in looks("ann", f"/submissions/{listed['id']}")[1]
         )
         assert f">{final}</a> late" in looks("prof", f"{OWN}/class/students")[1]
         assert f">{final}</a> of 36 + 6 bonus, late (−{penalty})" in looks("prof", "/person?name=ann")[1]
         median = (final + 2) / 2
-        assert f"<b>{median:g}</b> median of 36 + 6 bonus points" in looks("prof", "/")[1]
+        assert f"median {median:g} of 36 points" in looks("prof", "/")[1]
         overview = looks("prof", f"{OWN}/class")[1]
         assert (
             f"<b>{median:g}</b> median of 36" in overview

@@ -1,0 +1,36 @@
+"""A notebook as text to read: headings, paragraphs and code, all of it escaped."""
+
+import json
+
+from exercises.catalogue import assignments
+from service.pages.notebook_text import Block, blocks
+
+
+def cell(kind, source):
+    return {"cell_type": kind, "source": source}
+
+
+def read(*cells):
+    return blocks(json.dumps({"cells": cells}))
+
+
+def test_cells_are_headings_text_and_code():
+    text = "# Title\n\nSome `code`, **bold** and *italic*: $a < b$.\n- one\n## Part\nmore"
+    assert read(cell("markdown", text), cell("code", ["x = 1\n", "y < 2"]), cell("raw", "no")) == [
+        Block("heading", "Title"),
+        Block("text", "Some <code>code</code>, <b>bold</b> and <i>italic</i>: $a &lt; b$.\n- one"),
+        Block("heading", "Part"),
+        Block("text", "more"),
+        Block("code", "x = 1\ny < 2"),
+    ]
+
+
+def test_markup_stays_text():
+    (block,) = read(cell("markdown", "<script>alert(1)</script> `<b>`"))
+    assert block.text == "&lt;script&gt;alert(1)&lt;/script&gt; <code>&lt;b&gt;</code>"
+
+
+def test_every_notebook_can_be_read():
+    for assignment in assignments().values():
+        found = blocks(assignment.notebook())
+        assert {"heading", "text", "code"} == {block.kind for block in found}, assignment.slug

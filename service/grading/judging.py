@@ -35,7 +35,8 @@ def judge(
             outcome.diagnosis = [Diagnosis(absent.code, absent.sentence, 1.0)] if absent.code else []
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = diagnose_failure(scenes, result, causes)
-        outcome.hidden, outcome.bonus = assignment.hidden(check), check not in expected
+        outcome.hidden = assignment.hidden(check)
+        outcome.bonus = check not in expected
         outcome.remarks = [remark for name in check.scenes[:1] for remark in remarks.get(name, [])]
         noted = [result.noted(name) for s in scenes for name in (s.name, s.after)]
         outcome.remarks += unsaid(noted, said)

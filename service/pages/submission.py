@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable, Sequence
 from typing import Any
+from urllib.parse import quote
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
@@ -56,6 +57,14 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
     context["sweep_refused"] = refused[0].decode() if refused else ""
     given = {} if stored.withheld else await _overrides_context(database, stored)
     return templates.TemplateResponse(request, "report.html", context | given)
+
+
+@router.get("/submissions/{id}/source")
+async def download_source(person: CurrentUser, stored: Submission) -> Response:
+    """Return the graded source as a file with its name."""
+    named = f"attachment; filename*=UTF-8''{quote(stored.submission.filename, safe='')}"
+    headers = {"Content-Disposition": named, "Cache-Control": "private, no-cache"}
+    return Response(stored.submission.source, media_type="text/plain; charset=utf-8", headers=headers)
 
 
 @router.get("/submissions/{id}/diff", response_class=HTMLResponse)

@@ -421,6 +421,15 @@ def test_a_difference_is_of_the_code_and_tells_lines_before_and_now():
     assert ("same", 3, 3, "# cell 2") in [(line.kind, line.before, line.now, line.text) for line in group]
 
 
+def test_what_was_submitted_can_be_downloaded_by_who_may_see_it(server, ann, url, send):
+    sent = send(ann, RIGHT + "# ω", 'ω "mine".py')
+    status, headers, told = call(server, f"/submissions/{sent['id']}/source", ann)
+    assert status == 200 and told == RIGHT + "# ω"
+    assert headers["content-disposition"] == "attachment; filename*=UTF-8''%CF%89%20%22mine%22.py"
+    assert f'href="/submissions/{sent["id"]}/source"' in page(server, ann, sent)
+    assert call(server, f"/submissions/{sent['id']}/source", token(url, "cara"))[0] == 403
+
+
 def test_no_two_sources_take_long_to_compare():
     """Lines that are all alike, that repeat just below what difflib leaves aside, that only move, and a
     quarter million of them.

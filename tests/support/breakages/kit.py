@@ -53,6 +53,20 @@ KIT = [
         ("tests/exercises/kit/ecp/test_local.py::test_a_right_function_passes_in_a_kernel_too",),
     ),
     Breakage(
+        "an exercise with a cause of its own is folded under the cause of another",
+        "exercises/kit/ecp/grouped.py",
+        "same = bool(sentences) and all(given) and sentences <= shown",
+        "same = bool(sentences) and all(given) and bool(sentences & shown)",
+        ("tests/exercises/kit/ecp/test_grouped.py",),
+    ),
+    Breakage(
+        "the line of the first definition is quoted, not that of the last, which runs",
+        "exercises/kit/ecp/student_line.py",
+        "begin = found[-1].start()",
+        "begin = found[0].start()",
+        ("tests/exercises/kit/ecp/test_student_line.py",),
+    ),
+    Breakage(
         "a failure whose inputs are all right earns all points",
         "exercises/kit/ecp/outcome.py",
         "return min(self.points * self.partial.right // self.partial.rows, self.points - 1)",

@@ -14,6 +14,7 @@ from tests.support.pictures.demonstration import demonstration
 
 DOCS = ROOT / "docs"
 NAMES = ("pages", "report", "submission", "queue", "notebook")
+OF_ONE = {"report", "submission", "notebook"}  # which show one submission, not the class
 
 
 def main() -> None:
@@ -30,7 +31,7 @@ def main() -> None:
 def draw(folder: Path, names: list[str]) -> list[Path]:
     """Write the pictures and return their files; data of the demonstration lies in ``folder``."""
     drawn = []
-    with demonstration(folder) as demo:
+    with demonstration(folder, with_class=bool(set(names) - OF_ONE)) as demo:
         server = App(database_url=demo.database)  # on which people log in
         one = {"report": single.draw_report, "submission": single.draw_submission, "queue": single.draw_queue}
         try:

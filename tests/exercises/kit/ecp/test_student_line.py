@@ -52,6 +52,8 @@ def test_lambdas_and_functions_on_one_line_are_read_too():
 def test_the_last_definition_counts_and_a_cell_that_is_no_python_is_passed_over():
     cells = [("cell 1", HEAD + "    return 1, 2\n"), ("cell 2", "%time f(\n"), ("cell 4", "g = 'def f'\n")]
     assert str(of_component(cells, "f", 0)) == "cell 1, line 2: return 1, 2"
+    twice = "def f(w):\n    return 1, 2\n\n\ndef f(w):\n    return 3, 4\n"
+    assert str(of_component([("cell 1", twice)], "f", 0)) == "cell 1, line 6: return 3, 4"
     cells[1:1] = [("cell 3", "x = 1\n\n" + HEAD + "    return 3, 4\n")]
     assert of_component(cells, "f", 1, "a sentence") == StudentLine(
         "cell 3", 4, "return 3, 4", 10, 11, "a sentence"

@@ -90,19 +90,19 @@ def standing(stored: SubmissionRecord, rows: Sequence[Row]) -> Standing | None:
 def beside(
     assignment: Assignment, report: Report, motions: Mapping[str, Sequence[Motion]]
 ) -> Motion | Picture | None:
-    """Return the player, the animation or the figure that shows what the first cause does, None if none does:
-    one of a scene of the checks that it explains, else one of their exercises.
+    """Return the player, the animation or the figure that shows what fails first, None if none does: one of a
+    scene of the checks that the first cause explains, else one of their exercises.
     """
-    causes = report.overview().causes
-    if not causes:
-        return None
-    explained = {outcome.id for outcome in causes[0].outcomes()}
+    seen = report.overview()
+    failed = seen.causes[0].outcomes() if seen.causes else [seen.unexplained] if seen.unexplained else []
+    explained = {outcome.id for outcome in failed}
+    numbers = [e.number for e in report.exercises if explained & {o.id for o in e.outcomes}]
     scenes = {scene for check in assignment.checks() if check.id in explained for scene in check.scenes}
-    exercises = [assignment.exercise(number) for number in causes[0].explains]
+    exercises = [assignment.exercise(number) for number in numbers]
     drawn = {f.name for e in exercises for f in e.figures if scenes & set(f.scenes)}
     drawn |= {a.name for e in exercises for a in e.animations if a.scene in scenes}
-    pictures = [p for p in [*report.animations, *report.figures] if p.exercise in causes[0].explains]
-    moving = [motion for number in causes[0].explains for motion in motions.get(number, [])]
+    pictures = [p for p in [*report.animations, *report.figures] if p.exercise in numbers]
+    moving = [motion for number in numbers for motion in motions.get(number, [])]
     fitting: list[Motion | Picture] = [
         *(m for m in moving if m.scene in scenes),
         *(p for p in pictures if p.name in drawn),

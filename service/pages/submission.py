@@ -114,6 +114,7 @@ def _shown(
         "cause_block": lambda cause: _markup(report_html.cause_block)(
             cause, source=address(cause.line), links=True
         ),
+        "failure_block": _markup(report_html.failure_block),
         "outcome_item": _markup(report_html.outcome_item),
         "check_item": _markup(report_html.item),
         "judged": lambda outcome: _judged(outcome, report.scene_ends),

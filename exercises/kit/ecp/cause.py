@@ -8,7 +8,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, ExerciseReport, Outcome, SceneEnd
 from ecp.student_line import FRAME, StudentLine, of_component
 
-FIRST, NEXT = "Fix this first", "Then"
+FIRST, NEXT, LOOK = "Fix this first", "Then", "Look at this first"
 SHORTEST_RANGE = 3  # numbers that are written "2–4"
 
 

@@ -63,6 +63,12 @@ class Overview:
     sections: list[Section]
     repeated: Mapping[str, str]
 
+    @property
+    def unexplained(self) -> Outcome | None:
+        """Return the first outcome that counts and is not ✓, if nothing names a cause."""
+        failed = [o for s in self.sections for o in s.outcomes() if reasons(o) is not None]
+        return failed[0] if failed and not self.causes else None
+
     def references(self, outcome: Outcome) -> list[Cause]:
         """Return the causes to name beside an outcome: those that explain it, if there are others."""
         if len(self.causes) < 2 or outcome.verdict is Verdict.PASS:

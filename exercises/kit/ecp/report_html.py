@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from html import escape
 
-from ecp.cause import FIRST, NEXT, Cause
+from ecp.cause import FIRST, LOOK, NEXT, Cause
 from ecp.errors import RequestError
 from ecp.grouped import Overview, Section
 from ecp.judge import MARKS, Verdict
@@ -56,6 +56,8 @@ def _html(report: Report, drawn: Mapping[str, bytes | Exception | None], missing
     seen = report.overview()
     first, *others = [cause_block(cause) for cause in seen.causes] or [""]
     parts = [f"<h4>{FIRST}</h4>{first}" if first else ""]
+    if seen.unexplained is not None:
+        parts.append(f"<h4>{LOOK}</h4>{failure_block(seen.unexplained)}")
     if others:
         items = "".join(f"<li>{one}</li>" for one in others)
         parts.append(f'<h4>{NEXT}</h4><ol start="2">{items}</ol>')
@@ -90,6 +92,16 @@ def cause_block(cause: Cause, *, source: str = "", links: bool = False) -> str:
     parts += [_folded(extent, _checks(cause))] if links else []
     parts += [_folded("traceback", f"<pre>{escape(frames)}</pre>")] if (frames := cause.frames()) else []
     return "".join(parts)
+
+
+def failure_block(outcome: Outcome) -> str:
+    """Return an outcome that no known cause explains: its label, and small what was measured, and where."""
+    measured, allowed = outcome.measured_and_allowed()
+    numbers = f"{measured}, allowed: {allowed}" if allowed else measured
+    said = f". Worst at {outcome.where}" if outcome.where else ""
+    said += ". No known mistake gives these numbers." if outcome.verdict is Verdict.FAIL else ""
+    label = f'<p class="sentence">{MARKS[outcome.verdict]} {escape(outcome.label)}</p>'
+    return f'{label}<p class="quiet"><code>{escape(numbers)}</code>{escape(said)}</p>'
 
 
 def _quote(line: StudentLine, source: str) -> str:

@@ -215,3 +215,13 @@ def test_only_a_web_page_has_anchors_and_only_staff_see_what_is_hidden():
     shown = outcome_item(one, seen, links=True, staff="allowed <1>")
     assert '<li class="fail" id="check-a&lt;b&gt;">' in shown and '<a href="#cause-1">cause 1</a>' in shown
     assert '<span class="badge">hidden</span>' in shown and "<p>allowed &lt;1&gt;</p></details>" in shown
+
+
+def test_a_failure_that_nothing_explains_is_named_first():
+    one = report([outcome("a"), failed("b", where="t = 3 s"), failed("c")])
+    assert one.overview().unexplained is one.outcomes()[1]
+    page = html(one)
+    assert page.index("Look at this first") < page.index("✗ label b") < page.index("Exercise 1.")
+    assert "Worst at t = 3 s. No known mistake gives these numbers." in page
+    for other in (report([outcome("a")]), report([failed("b", SIGN), failed("c")])):
+        assert other.overview().unexplained is None and "Look at this first" not in html(other)

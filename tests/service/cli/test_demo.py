@@ -11,6 +11,7 @@ import threading
 import time
 import urllib.request
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -49,20 +50,36 @@ def test_it_sends_samples_prints_a_table_and_names_those_with_another_report(
 
 
 def test_a_sample_that_could_not_be_graded_is_graded_once_more(monkeypatch):
-    fault, graded = {"id": "1", "fault": "too busy", "report": None}, {"id": "2", "report": {}}
-    answers = [fault, graded]
+    fault = {"id": "1", "status": "faulted", "system_fault": "too busy", "report": None}
+    answers = [fault, graded := {"id": "2", "status": "graded", "report": {}}]
     monkeypatch.setattr(demo, "_submit", lambda *sent: answers.pop(0))
-    document, _, why = demo._graded("", "rigid-body", "a.py", "", None)
-    assert (document, why, answers) == (graded, "too busy", [])
+    assert demo._graded("", "rigid-body", "a.py", "", None) == (graded, "too busy") and answers == []
     answers[:] = [fault, fault]
-    row = demo._row("a.py", demo._graded("", "rigid-body", "a.py", "", None)[0], 1.0)
+    document, _ = demo._graded("", "rigid-body", "a.py", "", None)
+    row = demo._row("a.py", document)
     assert row.startswith("!  a.py") and row.endswith("not graded: too busy")
 
 
-def test_a_long_cause_is_cut_and_the_report_of_the_first_cause_is_named():
+def test_it_waits_for_a_report_as_long_as_the_queue_takes(monkeypatch):
+    """A busy machine takes longer than one request may wait."""
+    server, sample = Scripted(), SimpleNamespace(ask=("2",))
+    waiting = {"id": "7", "status": "queued", "report": None}
+    server.script += [
+        says(202, waiting),
+        says(200, waiting | {"status": "running"}),
+        says(200, waiting | {"status": "graded", "report": {}}),
+    ]
+    try:
+        assert demo._submit(server.url, "rigid-body", "a.py", "x = 1", sample)["status"] == "graded"
+    finally:
+        server.stop()
+    assert len(server.seen) == 3
+
+
+def test_a_long_cause_is_cut_and_the_seconds_are_those_of_the_grading():
     long = Diagnosis("units", "x" * 200, 1.0)
-    row = demo._row("a.py", {"report": document(report([outcome("a", "fail", diagnosis=[long])]))}, 2.0)
-    assert row == f"✗  {'a.py':40}    0 of 1      2.0  {'x' * 79}…"
+    row = demo._row("a.py", {"report": document(report([outcome("a", "fail", diagnosis=[long])]))})
+    assert row == f"✗  {'a.py':40}    0 of 1      1.0  {'x' * 79}…"
 
 
 @pytest.mark.slow

@@ -21,9 +21,9 @@ th,td{padding:.1rem .45rem;text-align:center;
 border-bottom:1px solid color-mix(in srgb,currentColor 20%,transparent)}
 th:first-child{text-align:left;white-space:nowrap}
 thead th:nth-child(n+3){writing-mode:vertical-rl;font-weight:normal}
-.pass{color:var(--p)}
-.fail{color:var(--f)}
-.unmeasured{color:var(--q)}
+td.pass{color:var(--p)}
+td.fail{color:var(--f)}
+td.unmeasured{color:var(--q)}
 td.none{text-align:left}
 pre{overflow-x:auto}
 """

@@ -21,7 +21,7 @@ code,.quote{white-space:pre-wrap}
 .sentence{margin:.1em 0;font-size:1.35em;line-height:1.3}
 .quote{margin:.3em 0;padding:.3em .7em;border-left:.25em solid var(--f)}
 mark{background:var(--m);color:inherit}
-.outcomes{display:grid;grid-template-columns:auto minmax(12em,1fr) fit-content(24em) fit-content(12em) auto;
+.outcomes{display:grid;grid-template-columns:auto minmax(12em,1fr) fit-content(17em) fit-content(12em) auto;
 column-gap:1em}
 .outcomes>li{display:grid;grid-column:1/-1;grid-template-columns:subgrid;padding:.1em 0}
 .pass>.mark{color:var(--p)}

@@ -26,6 +26,7 @@ NOTEBOOKS = ("DOP853", 1e-11)
 ENOUGH = 1e-8
 SINGLE = 2.0**-23
 REPEATED = 3
+LITTLE = 0.2  # a share of the time that is not worth saving
 ENOUGH_OF_STEPPERS = 1e-3
 MOST_CALLS = 10**8  # of a run of a stepper
 
@@ -100,15 +101,17 @@ def _of_solvers(
     own = next(p for p in mine.points if (p.method, p.rtol) == NOTEBOOKS)
     share = min(own.calls * per_call, own.seconds)
     spent = f"{own.method} at rtol {own.rtol:g} makes {own.calls} calls in {_ms(own.seconds)}"
-    faster = "a faster function helps most"
-    fewer = "fewer calls help, a faster function does not"
-    helps = f"{_ms(share)} of it in {function}: {faster if share > own.seconds / 2 else fewer}"
+    helps = "fewer calls help, a faster function does not"
+    if share > LITTLE * own.seconds:
+        helps = "fewer calls help more than a faster function"
+    if share > own.seconds / 2:
+        helps = "a faster function helps most"
     best = min(enough, key=lambda p: p.seconds)
     would = (
         f"{best.method} at rtol {best.rtol:g} would do: it has an error of {best.error:.1g}, within the"
         f" tolerance of {target:g}, in {_ms(best.seconds)}"
     )
-    return [cost, f"{spent}, {helps}", would, *([noise] if stopped else [])]
+    return [cost, f"{spent}, {_ms(share)} of it in {function}: {helps}", would, *([noise] if stopped else [])]
 
 
 def _seconds(run: Callable[[], object]) -> float:

@@ -1,5 +1,6 @@
 """A batch as self-contained HTML pages: a table of files by checks, and a page for each report."""
 
+import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from html import escape
@@ -25,6 +26,7 @@ td.pass{color:var(--p)}
 td.fail{color:var(--f)}
 td.unmeasured{color:var(--q)}
 td.none{text-align:left}
+img.sweep{filter:none;width:100%;max-width:36rem}
 pre{overflow-x:auto}
 """
 
@@ -64,8 +66,28 @@ def page(file: GradedFile) -> str:
     )
     return _page(
         str(file.file),
-        report_html.html(report) + printed + provenance + '<p><a href="../index.html">All files</a></p>',
+        report_html.html(report)
+        + _speed(file)
+        + printed
+        + provenance
+        + '<p><a href="../index.html">All files</a></p>',
     )
+
+
+def _speed(file: GradedFile) -> str:
+    """Return the card of speed against accuracy, if it was measured."""
+    swept = file.report.sweep if file.report else None
+    if swept is None:
+        return ""
+    drawn = file.pictures.get("sweep.svg")
+    image = (
+        f'<img class="sweep" src="data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"'
+        ' alt="Error against milliseconds on this machine: the function and, dashed, the solution.">'
+        if drawn
+        else ""
+    )
+    told = "".join(f"<li>{escape(sentence)}</li>" for sentence in swept.line.split("; "))
+    return f"<h2>Speed vs accuracy</h2>{image}<ul>{told}</ul>"
 
 
 def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:

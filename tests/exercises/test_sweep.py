@@ -42,6 +42,7 @@ def test_a_slow_function_is_told_to_become_faster_and_a_fast_one_to_be_called_le
         "DOP853 at rtol 1e-11 makes 1000 calls in 98 ms, 90 ms of it in f: a faster function helps most",
     ]
     assert fast[1].endswith("9 ms, 1 ms of it in f: fewer calls help, a faster function does not")
+    assert text(result(4e-6))[1].endswith("4 ms of it in f: fewer calls help more than a faster function")
     assert slow[2].startswith("DOP853 at rtol 1e-09 would do: it has an error of 1e-09, within the tolerance")
 
 

@@ -4,11 +4,14 @@ from urllib.parse import unquote
 
 import pytest
 
+from ecp.outcome import SweepResult
 from service.cli.output_dir import OutputDir
+from service.formats import html
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.result import GradedFile
 from service.sandbox.select import choose
 from tests.support.guests import lend
+from tests.support.reports import report_of_verdicts
 
 EVIL = "<img src=x onerror=alert(1)>&amp;\"'`.py"
 VOID = {"meta", "img", "br", "hr"}
@@ -84,3 +87,15 @@ def test_pages_need_nothing_from_elsewhere(written):
         sources = [a["src"] for a in about if "src" in a] + [a["href"] for a in about if "href" in a]
         assert all(s.startswith("data:image/") or (page.parent / unquote(s)).is_file() for s in sources)
     assert any("data:image/svg" in page.read_text() for page in written.rglob("index.html"))
+
+
+def test_a_page_has_the_card_of_speed_against_accuracy_if_it_was_measured():
+    swept = SweepResult("s", [], "a call takes <1 µs; DOP853 would do")
+    measured = GradedFile(
+        file=Path("a.py"), report=report_of_verdicts("+", sweep=swept), pictures={"sweep.svg": b"<svg/>"}
+    )
+    text = html.page(measured)
+    assert "<li>a call takes &lt;1 µs</li><li>DOP853 would do</li>" in text
+    ((name, attributes),) = [one for one in Elements(text).found if one[1].get("class") == "sweep"]
+    assert name == "img" and attributes["src"].startswith("data:image/svg+xml;base64,")
+    assert "Speed vs" not in html.page(GradedFile(file=Path("a.py"), report=report_of_verdicts("+")))

@@ -29,7 +29,7 @@ PLANTED = (
 )
 NEEDED = (
     "service/pages/templates/account.html",
-    "service/grading/measured/stability.json",
+    "service/grading/measured/reference.json",
     "exercises/rigid_body/notebook.ipynb",
     "ecp/__init__.py",
 )

@@ -393,7 +393,7 @@ def test_a_checks_victims_are_graded_again_looked_at_and_let_count(seen_by, sent
     prof.get_by_role("button", name="Apply").click()
     prof.locator("#live").get_by_text("✓ applied by prof").wait_for()
     ann.reload()
-    assert "5 of 5 points (public checks" in " ".join(ann.locator("main").inner_text().split())
+    assert "5 of 36, +0 of 6 bonus points" in " ".join(ann.locator("main").inner_text().split())
     assert "2, shown, regrade" in ann.locator("#gradings").inner_text()
 
 

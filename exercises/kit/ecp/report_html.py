@@ -168,10 +168,14 @@ def _row(verdict: Verdict, label: str, found: tuple[str, str], badges: Iterable[
     """Return mark, label with badges, and what was ``found`` and is allowed."""
     shown = "".join(f' <span class="badge">{badge}</span>' for badge in badges)
     measured, allowed = map(escape, found)
-    name = f'<span class="mark">{MARKS[verdict]}</span><span class="name">{escape(label)}{shown}</span>'
-    if not allowed:
-        return f'{name}<span class="got words">{measured}</span>'
-    return f'{name}<span class="got">{measured}</span><span class="allowed">{allowed}</span>'
+    words = "" if allowed else " words"
+    parts = [
+        f'<span class="mark">{MARKS[verdict]}</span>',
+        f'<span class="name">{escape(label)}{shown}</span>',
+        f'<span class="got{words}">{measured}</span>',
+        f'<span class="allowed">{allowed}</span>' if allowed else "",
+    ]
+    return " ".join(parts)
 
 
 def _diagnosis(diagnosis: Diagnosis) -> str:

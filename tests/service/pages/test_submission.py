@@ -480,7 +480,7 @@ def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, pro
     for words in of_staff:
         assert words in theirs and words in assistants and words not in mine, words
     for words in (
-        '<span class="name">ω(t) follows the exact motion</span><span class="got">max|Δ|/scale',
+        '<span class="name">ω(t) follows the exact motion</span> <span class="got">max|Δ|/scale',
         "sign-reversed",
         "Phases: ",
         "<caption>Gradings of this submission",

@@ -194,7 +194,7 @@ def test_the_html_marks_what_a_line_is_worth():
 
 def test_what_was_measured_and_what_is_allowed_are_columns():
     page = outcome_item(outcome("a", detail="max|Δ| = 0.5 (rtol=1e-06, atol=0)"), NOTHING)
-    assert '<span class="got">max|Δ| = 0.5</span><span class="allowed">rtol=1e-06, atol=0</span>' in page
+    assert '<span class="got">max|Δ| = 0.5</span> <span class="allowed">rtol=1e-06, atol=0</span>' in page
     bound = outcome("a", detail="max|Δ|/scale ≤ 2 (limit 1), by f at 128 points")
     assert bound.measured_and_allowed() == ("max|Δ|/scale ≤ 2, by f at 128 points", "limit 1")
     assert outcome("a", detail="growth (of ω): min 1").measured_and_allowed()[1] == ""

@@ -108,11 +108,11 @@ async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, beg
     await _jobs.batch_defer_jobs_async(jobs, connection=connection.raw)
 
 
-async def send_sweep(connection: Connection, grading: UUID, kind: str) -> None:
-    """Add the job of a sweep, which ranks between this kind's gradings and its slow ones."""
+async def send_sweep(connection: Connection, grading: UUID) -> None:
+    """Add the job of a sweep, which ranks behind all gradings."""
     row = await connection.one(_PLACES, {"grading": grading})
     lock = None if row.alone else _locks(row)[grading.int % row.places]
-    job = _job("sweep", grading, LATER, STEP * KINDS[kind] - SLOW_STEP + 1, lock)
+    job = _job("sweep", grading, LATER, -STEP, lock)
     await _jobs.batch_defer_jobs_async([job], connection=connection.raw)
 
 

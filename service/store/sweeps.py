@@ -108,14 +108,14 @@ async def put_back(database: Database, grading: UUID, number: int) -> None:
     async with database.begin() as connection:
         await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
         await connection.execute(_FORGET_RUN, {"grading": grading, "name": f"sweep.run.{number}"})
-        await send_sweep(connection, grading, "bulk")
+        await send_sweep(connection, grading)
 
 
 async def _queue_once(connection: Connection, grading: UUID) -> bool:
     await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
     if await connection.first(_QUEUED, {"grading": str(grading)}) is not None:
         return False
-    await send_sweep(connection, grading, "bulk")
+    await send_sweep(connection, grading)
     return True
 
 

@@ -66,7 +66,8 @@ def test_nothing_runs_on_the_student_s_own_pages(looking, server, paths):
         page.locator("button.keys").wait_for()
         inert(page)
     page.goto(server.url + paths["failed"])
-    assert "�" in page.locator(".first").inner_text()
+    assert "<script>window.pwned" in page.locator(".first").inner_text()
+    assert "�" in page.locator("#source").text_content()
 
 
 def test_what_an_address_says_is_shown_and_does_nothing(looking, server):

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from service.store.queue import STEP
+from service.store.queue import SLOW_STEP
 
 MEASURED = Path(__file__).with_name("measured") / "service-times.json"
 MOST, YEAR_MIN = 5_000_000, 366 * 24 * 60
@@ -244,7 +244,7 @@ def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
             workers += 1
         moved = one if arrives else next((other for other in mine if rank[other]), None)
         if moved is not None:
-            rank[moved], place[moved] = min(STEP - 1, bisect_left(mine, moved)), next(places)
+            rank[moved], place[moved] = min(SLOW_STEP - 2, bisect_left(mine, moved)), next(places)
             heappush(queue, (rank[moved], place[moved], moved))
         while workers and queue:
             _, at, one = heappop(queue)

@@ -4,7 +4,9 @@ predicts.
 ``python -m bench.surge`` takes five minutes on two cores, and ``--notebook`` fifteen. Students send the
 samples below at times drawn as ``bench.plan`` draws them. The waits are read from the database and compared
 with a simulation of the same arrivals and with what ``bench.plan`` predicts. ``--write`` stores the
-measured grading times for ``bench.plan``.
+measured grading times for ``bench.plan``. With ``--slow 3`` three of the students send files that run until
+they are stopped, each time another one, and the waits of all others are compared with those of the same
+surge without these students' slow files.
 """
 
 import argparse
@@ -18,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -59,6 +61,7 @@ WHAT = {
     "notebook": f"{len(NOTEBOOKS)} samples with all exercises",
 }
 START_S, STOP_S, ANSWER_S = 90.0, 60.0, 60.0
+GROWTH_S = 5.0  # a wait may grow by, as each slow file is given a few seconds before it is known to be slow
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,7 @@ def main() -> int:
     )
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--notebook", action="store_true", help="send whole notebooks; default: exercise 2")
+    parser.add_argument("--slow", type=int, default=0, metavar="N", help="students whose files are slow")
     parser.add_argument("--rush", action="store_true", help="submission rate grows towards the deadline")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
@@ -116,11 +120,29 @@ def main() -> int:
         seconds=measured(kind),
     )
     until = time.monotonic() + arguments.most
+    answers, rows, began = surge(asked, kind, until)
+    failed = report(asked, answers, rows, began, kind if arguments.write else None)
+    if arguments.slow:
+        _, slowed, _ = surge(asked, kind, until, arguments.slow)
+        failed |= compare(rows, slowed, arguments.slow)
+    return failed
+
+
+def surge(asked: Deadline, kind: str, until: float, slow: int = 0) -> tuple[list[Answer], list[Row], float]:
+    """Run the surge on a server of its own, in which the first ``slow`` students send slow files.
+
+    Return the responses, every grading, and the time of the begin in seconds since the epoch.
+    """
     with server(asked.workers) as (url, database):
         began = time.time()
-        answers = asyncio.run(send(url, draw(asked), bodies(kind), asked.seed))
-        rows = results(database, sum(a.status in (200, 202) for a in answers), until)
-    return report(asked, answers, rows, began, kind if arguments.write else None)
+        answers = asyncio.run(send(url, draw(asked), bodies(kind), asked.seed, slow))
+        accepted = sum(a.status in (200, 202) for a in answers) - slow * asked.submissions
+        return answers, results(database, accepted, until, but=names(slow)), began
+
+
+def names(students: int) -> list[str]:
+    """Return the names of the first students."""
+    return [f"s{person:04}" for person in range(students)]
 
 
 @contextlib.contextmanager
@@ -167,7 +189,9 @@ def bodies(kind: str) -> list[dict[str, object]]:
     return [{"source": (folder / name).read_text(), "filename": name, "exercises": ["2"]} for name in names]
 
 
-async def send(url: str, arrivals: Arrivals, choice: list[dict[str, object]], seed: int) -> list[Answer]:
+async def send(
+    url: str, arrivals: Arrivals, choice: list[dict[str, object]], seed: int, slow: int = 0
+) -> list[Answer]:
     """Send every submission at its time and return the responses in the same order."""
     chosen = [
         choice[k] for k in np.random.default_rng(seed).integers(len(choice), size=len(arrivals.accepted))
@@ -177,6 +201,8 @@ async def send(url: str, arrivals: Arrivals, choice: list[dict[str, object]], se
 
         async def one(moment: float, person: int, turn: int, body: dict[str, object]) -> Answer:
             await asyncio.sleep(zero + moment - time.monotonic())
+            if person < slow:
+                body = body | {"source": f"import time\ntime.sleep(600)  # {person}, {turn}\n"}
             headers = {"Remote-User": f"s{person:04}", "Idempotency-Key": f"{person}-{turn}"}
             sent = time.monotonic()
             try:
@@ -193,18 +219,22 @@ async def send(url: str, arrivals: Arrivals, choice: list[dict[str, object]], se
         return await asyncio.gather(*(one(*a) for a in each))
 
 
-def results(database: str, accepted: int, until: float) -> list[Row]:
-    """Return every grading in order of acceptance, once ``accepted`` of them have a result,
-    or at ``until``.
+def results(database: str, accepted: int, until: float, but: Sequence[str] = ()) -> list[Row]:
+    """Return every grading in order of acceptance, once ``accepted`` of them have a result, apart from those
+    of the people ``but``, or at ``until``.
     """
     with psycopg.connect(database, autocommit=True) as connection:
-        while (
-            time.monotonic() < until
-            and connection.execute("SELECT count(*) FROM result").fetchone()[0] < accepted
-        ):
+        while time.monotonic() < until:
+            if connection.execute(_GRADED, (list(but),)).fetchone()[0] >= accepted:
+                break
             time.sleep(1.0)
         return [Row(*row) for row in connection.execute(_ROWS).fetchall()]
 
+
+_GRADED = """
+SELECT count(*) FROM result r JOIN grading a ON a.id = r.grading_id
+    JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id WHERE p.name <> ALL(%s)
+"""
 
 _ROWS = """
 SELECT p.name, extract(epoch FROM a.requested_at)::float, extract(epoch FROM min(u.started_at))::float,
@@ -269,6 +299,27 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
     if write:
         _write(asked, write, spent)
     return 1 if refused or lost or faults or wrong else 0
+
+
+def compare(rows: list[Row], slowed: list[Row], slow: int) -> int:
+    """Print the waits without and with slow files, of the students who sent none.
+
+    Return 0 if no wait has grown by more than GROWTH_S.
+    """
+    waits, senders = {}, names(slow)
+    for name, surge_ in (("without slow files", rows), (f"with {slow} slow students", slowed)):
+        each = [r for r in sorted(surge_, key=lambda r: (r.person, r.requested)) if r.person not in senders]
+        waits[name] = np.array([np.inf if r.started is None else r.started - r.requested for r in each])
+        p50, p99, most = np.quantile(waits[name], [0.5, 0.99, 1.0])
+        print(f"{name}: others waited {p50:.2f} s (p50), {p99:.2f} s (p99), {most:.2f} s (max)")
+    before, after = waits.values()
+    grown = after - before if before.shape == after.shape else np.array([np.inf])
+    put_off = [r for r in slowed if r.person in senders]
+    print(
+        f"a wait grew by {grown.mean():.2f} s on average, {grown.max():.2f} s at most (goal {GROWTH_S:g} s);"
+        f" slow files started {sum(r.runs for r in put_off)} runs"
+    )
+    return int(grown.max() > GROWTH_S)
 
 
 def occupied(rows: list[Row]) -> np.ndarray:

@@ -1,28 +1,32 @@
 """Queue gradings as Procrastinate jobs in the same database.
 
-A job holds the id of a grading and nothing else.
+A job holds the id of a grading and nothing else. Its lock is one of its person's places, of which there is
+one fewer than workers: so one person's gradings never occupy all workers. Its queue says who may take it.
 
 Jobs only wake workers; the tables are authoritative. ``service.store.workers`` queues every grading without
 a result again.
 """
 
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Sequence
 from uuid import UUID
 
 from procrastinate import App, PsycopgConnector
+from procrastinate.jobs import Job
 from procrastinate.types import JSONValue
 from psycopg import AsyncConnection
 
 from service.settings import DATABASE_WAIT_S
-from service.store.database import Connection, connect_options
+from service.store.database import Connection, Row, connect_options
 
-QUEUE = "grade"
+FIRST, LATER, SLOW = "first", "later", "slow"
+"""Queues: of first gradings; of regrades and sweeps; and of all gradings that are known to be slow."""
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
 RECONNECT_S = (
     0.5  # the pool doubles its pause between attempts, so a long outage would leave it asleep for hours
 )
 STEP = 1000  # priority between kinds; within a kind, a person's n-th open grading ranks n lower
+SLOW_STEP = STEP // 2  # how much lower slow gradings of a kind rank
 
 
 def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
@@ -48,15 +52,12 @@ async def _configure(connection: AsyncConnection) -> None:
     await connection.execute("SET synchronous_commit = off")
 
 
-_sender = App(connector=PsycopgConnector())  # never opened: it writes through its callers' transactions
+async def first_gradings_wait(app: App) -> bool:
+    """Return whether somebody waits for a first report, apart from those whose gradings are slow."""
+    return bool(await app.job_manager.list_queues_async(queue=FIRST, status="todo"))
 
 
-async def send(
-    connection: Connection, gradings: Sequence[UUID], *, task: str = "grade", priority: int
-) -> None:
-    """Add a job for each grading in this transaction. ``task`` is "grade" or "sweep"."""
-    job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=connection.raw)
-    await job.batch_defer_async(*map(job_arguments, gradings))
+_jobs = App(connector=PsycopgConnector()).job_manager  # never opened: it writes in its callers' transactions
 
 
 def job_arguments(grading: UUID) -> dict[str, JSONValue]:
@@ -64,11 +65,12 @@ def job_arguments(grading: UUID) -> dict[str, JSONValue]:
     return {"attempt": str(grading)}
 
 
-def priority_of(kind: str, open_before: int) -> int:
-    """Return the priority of a grading whose person has ``open_before`` earlier open gradings of that
-    kind.
+def priority_of(kind: str, earlier: int, *, slow: bool = False) -> int:
+    """Return the priority of a grading of that kind whose person has ``earlier`` open gradings before it.
+
+    All slow gradings of a kind rank below the others.
     """
-    return STEP * KINDS[kind] - min(STEP - 1, open_before)
+    return STEP * KINDS[kind] - SLOW_STEP * slow - min(SLOW_STEP - 2, earlier)
 
 
 async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, begun: bool = False) -> None:
@@ -76,11 +78,40 @@ async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, beg
 
     Gradings that had ``begun`` before their worker was lost go ahead of all others of their kind.
     """
-    by_rank: defaultdict[int, list[UUID]] = defaultdict(list)
-    for row in await connection.rows(_OPEN_BEFORE, {"gradings": list(gradings)}):
-        by_rank[priority_of(row.kind, 0) + 1 if begun else priority_of(row.kind, row.open)].append(row.id)
-    for priority, ids in by_rank.items():
-        await send(connection, ids, priority=priority)
+    jobs, taken = [], dict[UUID, Counter[str | None]]()
+    for row in await connection.rows(_RANKS, {"gradings": list(gradings)}):
+        locks = taken.setdefault(row.person, Counter(row.locks))
+        lock = None if row.alone else min(_locks(row), key=locks.__getitem__)
+        locks[lock] += 1
+        priority = priority_of(row.kind, 0 if begun else row.earlier, slow=row.slow) + begun
+        queue = SLOW if row.slow else FIRST if row.kind == "interactive" else LATER
+        jobs.append(_job("grade", row.id, queue, priority, lock))
+    await _jobs.batch_defer_jobs_async(jobs, connection=connection.raw)
+
+
+async def send_sweep(connection: Connection, grading: UUID, kind: str) -> None:
+    """Add the job of a sweep, which ranks between this kind's gradings and its slow ones."""
+    row = await connection.one(_PLACES, {"grading": grading})
+    lock = None if row.alone else _locks(row)[grading.int % row.places]
+    job = _job("sweep", grading, LATER, STEP * KINDS[kind] - SLOW_STEP + 1, lock)
+    await _jobs.batch_defer_jobs_async([job], connection=connection.raw)
+
+
+def _locks(row: Row) -> Sequence[str]:
+    """Return the locks of a person's places. Jobs with the same lock are done one after another."""
+    return [f"{row.person}/{place}" for place in range(row.places)]
+
+
+def _job(task: str, grading: UUID, queue: str, priority: int, lock: str | None) -> Job:
+    return Job(
+        id=None,
+        task_name=task,
+        task_kwargs=job_arguments(grading),
+        queue=queue,
+        priority=priority,
+        lock=lock,
+        queueing_lock=None,
+    )
 
 
 async def send_next(connection: Connection, done: UUID) -> None:
@@ -110,23 +141,52 @@ SELECT {PERSON_LOCK.format("person_id")}
 FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(:submissions) ORDER BY person_id) AS persons
 """
 
+# Whether the last run of the content of submission ``s``, of whoever sent it, was slow.
+KNOWN_SLOW = """coalesce((
+    SELECT run.slow FROM submission o JOIN grading g ON g.submission_id = o.id
+        JOIN run ON run.grading_id = g.id
+    WHERE o.assignment_id = s.assignment_id AND o.sha256 = s.sha256 AND run.slow IS NOT NULL
+    ORDER BY run.ended_at DESC LIMIT 1
+), false)"""
+
+# A person has one place fewer than there are workers, and at least one. The student of a server without
+# logins is everybody, and not limited.
+_PLACE = """s.person_id AS person, p.name = 'local' AS alone, (
+    SELECT greatest(1, count(*) - 1) FROM worker WHERE isolation IS NOT NULL
+    AND seen_at BETWEEN now() - interval '30 s' AND now() + interval '30 s') AS places"""
+
+_PLACES = f"""
+SELECT {_PLACE} FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+WHERE a.id = :grading
+"""
+
+# The person's earlier open gradings that are as slow count; the locks of all of them are taken.
+_RANKS = f"""
+SELECT a.id, a.kind, a.slow, a.person, a.alone, a.places, before.earlier, before.locks
+FROM (
+    SELECT a.id, a.kind, a.requested_at, {KNOWN_SLOW} AS slow, {_PLACE}
+    FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    WHERE a.id = ANY(:gradings)
+) a CROSS JOIN LATERAL (
+    SELECT count(*) FILTER (WHERE b.kind = a.kind AND coalesce(j.queue_name = '{SLOW}', false) = a.slow)
+        AS earlier, array_agg(j.lock) FILTER (WHERE j.lock IS NOT NULL) AS locks
+    FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
+        LEFT JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade'
+    WHERE t.person_id = a.person AND r.grading_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
+) before
+ORDER BY a.requested_at, a.id
+"""
+
+# A grading that was put back as slow lets one move up that is not.
 _NEXT = f"""
 SELECT j.id AS job, b.id AS grading
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN submission t ON t.person_id = s.person_id
     JOIN grading b ON b.submission_id = t.id AND b.kind = a.kind
     JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade'
     AND j.status = 'todo'
-WHERE a.id = :grading AND mod(j.priority, {STEP}) NOT IN (0, 1)
+WHERE a.id = :grading AND mod(j.priority, {SLOW_STEP}) NOT IN (0, 1)
+    AND (j.queue_name = '{SLOW}') = EXISTS (
+        SELECT FROM procrastinate_jobs d WHERE d.args->>'attempt' = a.id::text AND d.task_name = 'grade'
+        AND d.status = 'doing' AND d.queue_name = '{SLOW}')
 ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
-"""
-
-_OPEN_BEFORE = """
-SELECT a.id, a.kind, (
-    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id
-    LEFT JOIN result r ON r.grading_id = b.id
-    WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.grading_id IS NULL
-    AND (b.requested_at, b.id) < (a.requested_at, a.id)
-) AS open
-FROM grading a JOIN submission s ON s.id = a.submission_id WHERE a.id = ANY(:gradings)
-    ORDER BY a.requested_at, a.id
 """

@@ -62,8 +62,8 @@ async def create(
     """Queue preview gradings and return the id of the new regrade.
 
     ``which`` is the id of one submission, BEST or EVERY; with ``check``, only submissions that do not pass
-    that check. Submissions that are being graded are skipped. Pages show ``description``. Raises
-    NothingToGrade if no submission is left.
+    that check. Submissions that are being graded, also as a preview, are skipped. Pages show
+    ``description``. Raises NothingToGrade if no submission is left.
     """
     if isinstance(which, UUID):
         query, values = _ONE, {"slug": slug, "one": which}
@@ -187,7 +187,10 @@ SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b
     WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
     clock_timestamp(), :regrade, true
 FROM submission s JOIN {LAST}
-WHERE s.id = ANY(:submissions) RETURNING id
+WHERE s.id = ANY(:submissions) AND NOT EXISTS (
+    SELECT FROM grading b LEFT JOIN result q ON q.grading_id = b.id
+    WHERE b.submission_id = s.id AND b.preview AND q.grading_id IS NULL)
+RETURNING id
 """
 
 _FIND = """

@@ -16,7 +16,7 @@ from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.artefacts import insert_artefacts
 from service.store.database import Connection, Database, Row
-from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
+from service.store.queue import KNOWN_SLOW, PERSON_LOCK, lock_persons, send_gradings, send_next
 
 CHANNEL = "polhode"
 # ends a notification about a grading that goes on: a request that waits for its result need not look
@@ -37,10 +37,14 @@ class GradingJob:
 
 @dataclass(frozen=True)
 class Claim(GradingJob):
-    """A grading that a worker has claimed, with the id of its run and the name of the worker."""
+    """A grading that a worker has claimed, with the id of its run and the name of the worker.
+
+    ``slow`` says that an earlier run of the same content was slow.
+    """
 
     run: UUID
     worker: str
+    slow: bool = False
 
 
 async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
@@ -57,7 +61,7 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
     if found.given_up:
         await _record_fault(database, grading, found.submission_id)
         return None
-    return Claim(**_job_fields(grading, found), run=new_run, worker=worker)
+    return Claim(**_job_fields(grading, found), run=new_run, worker=worker, slow=found.slow)
 
 
 async def _record_fault(database: Database, grading: UUID, submission_id: UUID) -> None:
@@ -90,9 +94,12 @@ async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, 
     return row is not None
 
 
-async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
-    """Record the result with its artefacts. Return False, and store nothing,
-    if another run finished first.
+async def finish(
+    database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes], *, slow: bool = False
+) -> bool:
+    """Record the result with its artefacts, and whether the run was ``slow``.
+
+    Return False, and store nothing, if another run finished first.
     """
     values = {
         "grading": claimed.grading,
@@ -106,6 +113,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         "version": report.version,
         "isolation": report.provenance.isolation,
         "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
+        "slow": slow,
     }
     async with database.begin() as connection:
         if await connection.execute(_RESULT, values):
@@ -121,15 +129,19 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
 async def release(database: Database, claimed: Claim, end_reason: str, note: str) -> None:
     """End a run without result and queue its grading again.
 
-    ``end_reason`` is "released" (the worker stops) or "failed".
+    ``end_reason`` is "released" (the worker stops), "failed", or "postponed": it is slow and others wait.
     """
     async with database.begin() as connection:
-        values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600]}
+        slow = True if end_reason == "postponed" else None
+        values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600], "slow": slow}
         # A run that is not open was marked lost, and its grading is queued already.
         open = await connection.execute(_END_IF_OPEN, values)
         if open and await connection.first(_OWNER, {"grading": claimed.grading}) is None:
             await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
             await send_gradings(connection, [claimed.grading], begun=end_reason == "released")
+            if slow:
+                await lock_persons(connection, [claimed.submission_id])
+                await send_next(connection, claimed.grading)
             await notify_in(connection, claimed.submission_id)
 
 
@@ -164,8 +176,9 @@ async def notify_in(connection: Connection, submission_id: UUID, suffix: str = "
     )
 
 
-_GRADING = """
+_GRADING = f"""
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
+    {KNOWN_SLOW} AS slow,
     r.grading_id IS NOT NULL AS finished,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'lost') AS lost,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'failed') AS failed
@@ -212,9 +225,9 @@ WITH stored AS (
     VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s)
     ON CONFLICT DO NOTHING RETURNING run_id
 ), ended AS (
-    INSERT INTO run (id, grading_id, worker, phase, ended_at, end_reason)
-    SELECT run_id, :grading, :worker, 'starting', now(), 'finished' FROM stored
-    ON CONFLICT (id) DO UPDATE SET ended_at = now(), end_reason = 'finished', note = NULL
+    INSERT INTO run (id, grading_id, worker, phase, ended_at, end_reason, slow)
+    SELECT run_id, :grading, :worker, 'starting', now(), 'finished', :slow FROM stored
+    ON CONFLICT (id) DO UPDATE SET ended_at = now(), end_reason = 'finished', note = NULL, slow = :slow
     WHERE coalesce(run.end_reason, '') NOT IN ('finished', 'cancelled')
 ), outcomes AS (
     INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
@@ -234,10 +247,10 @@ UPDATE run SET ended_at = now(), end_reason = 'superseded', note = NULL
 WHERE id = :run AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
 """
 
-_END_IF_OPEN = (
-    "UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note WHERE id = :run AND ended_at IS"
-    " NULL"
-)
+_END_IF_OPEN = """
+UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note, slow = :slow
+WHERE id = :run AND ended_at IS NULL
+"""
 
 _DROP_JOBS = "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'"
 

@@ -13,7 +13,7 @@ from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database, NoRow, Row
-from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
+from service.store.queue import PERSON_LOCK, lock_persons, send_gradings
 from service.store.records import FAULTED, LATE, OWN_DEADLINE, SHOWN, NewSubmission
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
@@ -138,7 +138,7 @@ async def _accept(
         await _check(connection, rules, person)
         if most_open is not None and stored.open >= most_open:
             raise TooManyOpen
-        await send(connection, [values["grading"]], priority=priority_of(kind, stored.open))
+        await send_gradings(connection, [values["grading"]])
     database.persons[new.person] = person  # cached after the commit only
     return Accepted(new.id, new.submission.sha256, rules.at, rules.late, fresh=True)
 

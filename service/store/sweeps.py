@@ -14,7 +14,7 @@ from uuid import UUID
 from service.store.artefacts import ARTEFACTS, insert_artefacts
 from service.store.course.gradebook import StudentRow
 from service.store.database import Connection, Database
-from service.store.queue import KINDS, STEP, send
+from service.store.queue import send_sweep
 
 SWEPT, REFUSED = "sweep.json", "sweep.refused"
 MOST_RUNS = 3  # of one grading's sweep, lost ones included
@@ -99,7 +99,7 @@ async def _queue_once(connection: Connection, grading: UUID, kind: str) -> bool:
     await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
     if await connection.first(_QUEUED, {"grading": str(grading)}) is not None:
         return False
-    await send(connection, [grading], task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
+    await send_sweep(connection, grading, kind)
     return True
 
 

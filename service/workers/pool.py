@@ -63,7 +63,7 @@ class WorkerPool:
 
     def _start(self, number: int) -> BaseProcess:
         process = self._fork.Process(
-            target=_work, args=(self._settings, os.getpid()), name=f"worker {number}"
+            target=_work, args=(self._settings, os.getpid(), number), name=f"worker {number}"
         )
         signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # until the new process has set its own handlers
         try:
@@ -94,9 +94,10 @@ class _WorkerProcess:
             self.process, self._since = start(self._number), now
 
 
-def _work(settings: Settings, parent: int) -> None:
+def _work(settings: Settings, parent: int, number: int) -> None:
     die_with_parent(parent)
     for signal_number in STOPS:
         signal.signal(signal_number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
-    work(settings, f"{socket.gethostname()}/{os.getpid()}")
+    # The first of several workers is kept for what is not known to be slow.
+    work(settings, f"{socket.gethostname()}/{os.getpid()}", slow=number > 0 or settings.workers == 1)

@@ -10,11 +10,14 @@ import logging
 import os
 import signal
 import threading
+import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
+
+from procrastinate import App
 
 from exercises.catalogue import assignments
 from service import logs
@@ -28,8 +31,9 @@ from service.settings import Settings
 from service.store import runs, sweeps, workers
 from service.store.artefacts import store_artefacts
 from service.store.database import Database, is_outage, patiently
-from service.store.queue import QUEUE, new_app
+from service.store.queue import FIRST, LATER, SLOW, first_gradings_wait, new_app
 from service.store.schema import WrongSchema, check_schema
+from service.workers.pace import Pace
 
 log = logging.getLogger(__name__)
 HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping rounds per lease
@@ -37,13 +41,18 @@ REGISTER_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
 RELEASE_S = 3.0
 PATIENCE_S = 3600.0  # a finished result is kept for an hour of database outage
 HOST_S = 60.0  # of a job outside the sandbox: judging, drawing, replacing guests
+QUEUES = (FIRST, LATER, SLOW)
 
 
 class Worker:
-    """One worker. ``name`` identifies host and process; ``settings.database_url`` must be set."""
+    """One worker, which takes jobs from ``queues``.
 
-    def __init__(self, settings: Settings, name: str) -> None:
+    ``name`` identifies host and process; ``settings.database_url`` must be set.
+    """
+
+    def __init__(self, settings: Settings, name: str, queues: Sequence[str] = QUEUES) -> None:
         assert settings.database_url is not None
+        self._queues = list(queues)
         self.name, self._settings, self._url = name, settings, settings.database_url
         self._database = Database(
             self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait
@@ -59,6 +68,8 @@ class Worker:
         self._grader: Grader | None = None
         self._thread = ThreadPoolExecutor(1)
         self._clock = workers.ClockWatch()
+        self._pace = Pace()
+        self._app: App | None = None
         self._stopping = asyncio.Event()
         self._claimed: runs.Claim | None = None
         self._progress = ("starting", 0, 0)
@@ -130,15 +141,16 @@ class Worker:
         logged = False  # this outage
         while True:
             app = new_app(self._url, f"polhode queue {self.name}", self._settings.database_wait)
-            app.task(name="grade", queue=QUEUE)(self._grade)
-            app.task(name="sweep", queue=QUEUE)(self._sweep)
+            self._app = app
+            app.task(name="grade")(self._grade)
+            app.task(name="sweep")(self._sweep)
             try:
                 await self._database.ping()  # opening the pool during an outage would block for half a minute
                 logged = False
                 async with app.open_async():
                     await app.run_worker_async(
-                        queues=[QUEUE], name=self.name, fetch_job_polling_interval=1.0, delete_jobs="always",
-                        install_signal_handlers=False, stalled_worker_timeout=3600,
+                        queues=self._queues, name=self.name, fetch_job_polling_interval=1.0,
+                        delete_jobs="always", install_signal_handlers=False, stalled_worker_timeout=3600,
                     )  # fmt: skip
             except Exception as error:
                 if not logged or not is_outage(error):
@@ -154,21 +166,23 @@ class Worker:
         if claimed is None:
             return
         self._claimed, self._progress = claimed, ("starting", 0, 0)
+        began, slow_after = time.monotonic(), self._pace.slow_after(claimed.assignment)
         assert self._grader is not None
         cancelled = self._grader.sandbox.cancelled
-        heartbeats = asyncio.create_task(self._send_heartbeats(claimed, cancelled))
+        heartbeats = asyncio.create_task(self._send_heartbeats(claimed, cancelled, began + slow_after))
         try:
             report, artefacts = await self._call(
                 self._grader.grade_and_pack,
                 claimed.submission, claimed.assignment, claimed.seed, self._set_progress,
             )  # fmt: skip
+            slow = time.monotonic() - began > slow_after
             first = await patiently(
-                partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S
+                partial(runs.finish, self._database, claimed, report, artefacts, slow=slow), PATIENCE_S
             )
             log.info("graded" if first else "superseded by another run")
         except Cancelled:
-            log.info("stopped: the grading has a result already")
-            await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
+            log.info("stopped: the grading has a result already, or is slow and others wait")
+            await patiently(partial(self._end_cancelled, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
             await patiently(
@@ -178,6 +192,7 @@ class Worker:
             heartbeats.cancel()
             cancelled.clear()
             self._claimed = None
+            self._pace.note(claimed.assignment, time.monotonic() - began)
 
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
@@ -206,13 +221,25 @@ class Worker:
         """Called in the grading thread."""
         self._progress = phase, scene, scenes
 
-    async def _send_heartbeats(self, claimed: runs.Claim, cancelled: threading.Event) -> None:
-        """Send heartbeats of the run; set ``cancelled``, which ends its play, once it is superseded."""
+    async def _send_heartbeats(self, claimed: runs.Claim, cancelled: threading.Event, slow_at: float) -> None:
+        """Send heartbeats of the run; set ``cancelled``, which ends its play, once it is superseded, or if
+        others wait for a first report from the time ``slow_at`` on, at which it is found to be slow.
+        """
         while True:
             await asyncio.sleep(self._heartbeat_s)
             with _suppress_outages():
-                if not await runs.heartbeat(self._database, claimed, *self._progress):
+                goes_on = await runs.heartbeat(self._database, claimed, *self._progress)
+                if goes_on and time.monotonic() > slow_at and not claimed.slow and self._app is not None:
+                    goes_on = not await first_gradings_wait(self._app)
+                if not goes_on:
                     cancelled.set()
+
+    async def _end_cancelled(self, claimed: runs.Claim) -> None:
+        """End a run that was stopped: as superseded if its grading has a result, else as postponed."""
+        if await runs.heartbeat(self._database, claimed, *self._progress):
+            await runs.release(self._database, claimed, "postponed", "it is slow, and others were waiting")
+        else:
+            await runs.supersede(self._database, claimed)
 
     async def _keep_house(self) -> None:
         """Register this worker regularly, and recover lost gradings."""
@@ -285,7 +312,10 @@ def _suppress_outages():  # type: ignore[no-untyped-def]
             log.exception("the worker's housekeeping failed")
 
 
-def work(settings: Settings, name: str) -> None:
-    """Run a worker until it is stopped, then exit the process."""
-    asyncio.run(Worker(settings, name).run())
+def work(settings: Settings, name: str, *, slow: bool = True) -> None:
+    """Run a worker until it is stopped, then exit the process. Unless ``slow``, it takes no grading that is
+    known to be slow.
+    """
+    queues = [queue for queue in QUEUES if slow or queue != SLOW]
+    asyncio.run(Worker(settings, name, queues).run())
     os._exit(0)  # a normal exit would wait for the grading thread

@@ -244,17 +244,22 @@ def test_begun_while_students_submit(database_url):
     assert first > last  # who waits for a first result goes before
 
 
-def test_two_at_once_are_two(database_url):
-    id = graded(database_url, "ann", "-")
-    first, second = begin(database_url), begin(database_url)
-    grade_open(database_url, {id: "+"})
-    run(database_url, lambda d: regrades.apply(d, second, "prof"))
-    (row,) = read(database_url, regrades.score_changes, first)
-    assert row.overtaken and run(database_url, lambda d: regrades.apply(d, first, "prof")) == 0
-    assert (
-        points(database_url, id) == 1
-        and len(run(database_url, lambda d: regrades.of_assignment(d, "rigid-body"))) == 2
-    )
+def test_a_submission_has_one_open_preview(database_url):
+    ann, ben = graded(database_url, "ann", "-"), graded(database_url, "ben", "-")
+    first = begin(database_url)
+    with pytest.raises(NothingToGrade):
+        begin(database_url)
+    grade_open(database_url, {ann: "+"})
+    second = begin(database_url)
+    assert read(database_url, regrades.find, second).total == 1, "only Ann's preview has its result"
+    assert sorted(submission for submission, _ in open_gradings(database_url)) == sorted([ann, ben])
+    grade_open(database_url, {ann: "+", ben: "+"})
+    assert run(database_url, lambda d: regrades.apply(d, second, "prof")) == 1
+    rows = {row.submission: row.overtaken for row in read(database_url, regrades.score_changes, first)}
+    assert rows == {ann: True, ben: False}
+    assert run(database_url, lambda d: regrades.apply(d, first, "prof")) == 1
+    assert points(database_url, ann) == points(database_url, ben) == 1
+    assert len(run(database_url, lambda d: regrades.of_assignment(d, "rigid-body"))) == 2
 
 
 def test_lateness_is_decided_by_submission_time(database_url):

@@ -268,31 +268,6 @@ def test_a_regrade_does_not_hide_what_there_was(database_url, grading):
     assert run(database_url, lambda d: records.recent(d, 5))[0].status == "graded"
 
 
-@pytest.mark.slow
-def test_persons_take_turns(database_url):
-    """Ann sends five, then Ben two and Cleo one: nobody's next passes another's first, and Ann's second waits
-    for no latecomer.
-    """
-
-    async def fill(database, *names):
-        for name in names:
-            await accept(database, new(name))
-
-    run(database_url, lambda d: fill(d, "ann", "ann", "ann", "ann", "ann", "ben", "ben", "cleo"))
-    order = []
-    fetch = "SELECT (args->>'attempt')::uuid FROM procrastinate_fetch_job_v2(NULL, NULL)"
-    name = (
-        "SELECT p.name FROM grading a JOIN submission s ON s.id = submission_id JOIN person p ON p.id ="
-        " person_id WHERE a.id = "
-    )
-    while (job := sql(database_url, fetch)[0][0]) is not None:
-        order += sql(database_url, name + "%s", job)[0]
-        if len(order) == 4:
-            run(database_url, lambda d: fill(d, "dora"))
-        finish(database_url, claim(database_url, job))
-    assert order == ["ann", "ben", "cleo", "ann", "ben", "dora", "ann", "ann", "ann"]
-
-
 def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_url, grading):
     """Whichever is first, the new one has nothing before it in the end: neither may rank while the other is
     not committed.

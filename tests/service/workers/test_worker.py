@@ -91,6 +91,33 @@ def test_a_worker_whose_grading_hangs_gives_it_back_and_ends(database_url, waiti
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)]
 
 
+@pytest.mark.parametrize(
+    ("others", "ends"),
+    [(["ben"], [("postponed", True), ("finished", True)]), ([], [("finished", True)])],
+    ids=["others wait", "nobody waits"],
+)
+def test_a_slow_grading_is_put_off_once_if_others_wait(database_url, sandbox, monkeypatch, others, ends):
+    monkeypatch.setattr(worker.Pace, "slow_after", lambda pace, assignment: 0.3)
+    _, slow = submitted(database_url, source="import time\ntime.sleep(3)\n", exercises=["2"])
+    sql(database_url, "SELECT id FROM procrastinate_fetch_job_v2(NULL, NULL)")
+    for name in others:
+        submitted(database_url, name)
+
+    async def graded(database):
+        async with (
+            worker_on(database_url, Grader(sandbox), lease=0.8) as one,
+            worker.new_app(database_url, "test").open_async() as one._app,
+        ):
+            for _ in ends:
+                await one._grade(str(slow))
+
+    sandbox.close()  # a guest ends with the thread that started it, here another worker's
+    run(database_url, graded)
+    sandbox.close()
+    assert sql(database_url, "SELECT end_reason, slow FROM run ORDER BY started_at") == ends
+    assert sql(database_url, "SELECT fault FROM result") == [(None,)]
+
+
 @pytest.mark.parametrize(("declared", "longest"), [(None, 180.0), (100.0, 260.0)])
 def test_a_worker_waits_longer_than_the_longest_grading(declared, longest, rigid_body, monkeypatch):
     monkeypatch.setattr(worker, "assignments", lambda: {"rigid-body": replace(rigid_body, cpu_s=declared)})

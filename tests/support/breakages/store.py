@@ -76,9 +76,23 @@ STORE = [
     Breakage(
         "whoever has sent much goes first",
         "service/store/queue.py",
-        "STEP * KINDS[kind] - min(STEP - 1, open_before)",
-        "STEP * KINDS[kind] + min(STEP - 1, open_before)",
+        "- min(SLOW_STEP - 2, earlier)",
+        "+ min(SLOW_STEP - 2, earlier)",
         ("tests/service/store/test_submissions.py", "tests/service/store/test_runs.py"),
+    ),
+    Breakage(
+        "one person occupies all workers",
+        "service/store/queue.py",
+        "greatest(1, count(*) - 1)",
+        "greatest(1, count(*))",
+        ("tests/service/store/test_queue.py",),
+    ),
+    Breakage(
+        "slow files go before others",
+        "service/store/queue.py",
+        "- SLOW_STEP * slow -",
+        "+ SLOW_STEP * slow -",
+        ("tests/service/store/test_queue.py",),
     ),
     Breakage(
         "regrades go before submissions",

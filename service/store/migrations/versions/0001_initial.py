@@ -145,6 +145,7 @@ def _create_submissions() -> None:
         UNIQUE (person_id, idempotency_key)
     )""")
     op.execute("CREATE INDEX submission_person_assignment ON submission (person_id, assignment_id)")
+    op.execute("CREATE INDEX submission_content ON submission (assignment_id, sha256)")
     op.execute("CREATE INDEX submission_submitted_at ON submission (submitted_at)")
 
 
@@ -187,7 +188,8 @@ def _create_gradings() -> None:
         ended_at timestamptz,
         end_reason text,
         note text,
-        scene_at timestamptz NOT NULL DEFAULT now()
+        scene_at timestamptz NOT NULL DEFAULT now(),
+        slow boolean -- null: it ended before it was known
     )""")
     op.execute("CREATE INDEX ix_run_grading_id ON run (grading_id)")
     op.execute("CREATE INDEX run_open ON run (heartbeat_at) WHERE ended_at IS NULL")

@@ -60,7 +60,7 @@ WHAT = {
     "exercise": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong samples",
     "notebook": f"{len(NOTEBOOKS)} samples with all exercises",
 }
-START_S, STOP_S, ANSWER_S = 90.0, 60.0, 60.0
+START_S, STOP_S, ANSWER_S = 240.0, 60.0, 60.0
 GROWTH_S = 5.0  # a wait may grow by, as each slow file is given a few seconds before it is known to be slow
 
 

@@ -51,17 +51,21 @@ def build(slug: str) -> str:
     return digest.hexdigest()[:16]
 
 
-@functools.lru_cache(maxsize=16)
 def wheel(slug: str, server: str | None = None) -> bytes:
     """Return the kit's wheel, byte for byte the same for the same content, with the address of the ``server``
     that distributes it.
     """
-    assignment, info = find(slug), f"{_distribution(slug)}-{ecp.KIT}.dist-info"
     made = {"build": build(slug)} | ({"server": server} if server else {})
-    files = _content(slug) | {f"{_home(assignment)}/made.json": json.dumps(made).encode()}
+    return _wheel(slug).content({f"{_home(find(slug))}/made.json": json.dumps(made).encode()})
+
+
+@functools.cache
+def _wheel(slug: str) -> zipfiles.Wheel:
+    """Return what does not depend on the server's address, as any client can choose that in a request."""
+    assignment, info = find(slug), f"{_distribution(slug)}-{ecp.KIT}.dist-info"
     metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
     metadata += "".join(f"Requires-Dist: {name}\n" for name in sorted(set(assignment.packages)))
-    return zipfiles.wheel(info, metadata, files)
+    return zipfiles.Wheel(info, metadata, _content(slug))
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:

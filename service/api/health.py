@@ -2,6 +2,7 @@
 
 import time
 
+import psycopg
 from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
@@ -23,11 +24,17 @@ ORDER BY unavailable_reason IS NOT NULL, name
 """
 
 
+# A megabyte, more than a submission with its result takes. The rows do not fit in so little memory, so
+# PostgreSQL writes them to a temporary file on its disk.
+_LITTLE_MEMORY = "SET LOCAL work_mem = '64kB'"
+_FILL = "SELECT count(*) FROM generate_series(1, 40000)"
+
+
 class WorkerStatus:
-    """The workers' readiness, read from the database at most once a second."""
+    """The readiness of the workers and of the database's disk, found out at most once a second."""
 
     def __init__(self, database: Database) -> None:
-        self._database, self._read_at = database, float("-inf")
+        self._database, self._read_at, self._had_room_at = database, float("-inf"), float("-inf")
         self._current: tuple[str | None, str | None] = None, None
 
     async def current(self) -> tuple[str | None, str | None]:
@@ -43,6 +50,15 @@ class WorkerStatus:
             )
             self._read_at = now
         return self._current
+
+    async def check_room(self) -> None:
+        """Raise psycopg's DiskFull if the database has no room for a submission."""
+        now = time.monotonic()
+        if now - self._had_room_at > CACHED_S:
+            async with self._database.begin() as connection:
+                await connection.execute(_LITTLE_MEMORY)
+                await connection.rows(_FILL)
+            self._had_room_at = now
 
 
 @router.get("/livez", responses=problems({}))
@@ -61,6 +77,7 @@ async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
     try:
         if missing := [row.name for row in await database.rows(MISSING_TABLES)]:
             raise DatabaseLost(f"tables are missing: {', '.join(missing)}")
+        await status.check_room()
         isolation, reason = await status.current()
         checks["isolation"] = isolation or reason or checks["isolation"]
     except Exception as error:
@@ -71,6 +88,8 @@ async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
 
 
 def _reason(error: Exception) -> str:
+    if isinstance(error, psycopg.errors.DiskFull):
+        return "its disk is full, so no submission is accepted: free some space"
     return f"lost: {str(error).splitlines()[0]}" if is_loss(error) else type(error).__name__
 
 

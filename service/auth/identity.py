@@ -90,13 +90,18 @@ Visitor = Annotated[Person | Problem, Depends(identify)]
 
 
 def permitted(scope: str) -> Any:
-    """Return the dependency on a person whose token has ``scope``. It raises Problem 401 without one, and
-    403.
+    """Return the dependency on a person whose token has ``scope``.
+
+    It raises Problem 401 without one, and 403, also for who has left the course and would submit.
     """
 
     async def authenticate(visitor: Visitor) -> Person:
         if isinstance(visitor, Problem):
             raise visitor
+        if scope == "submit" and visitor.role == "former":
+            raise Problem(
+                403, "not-allowed", "you have left this course and can only read: ask the course staff"
+            )
         return visitor.with_scope(scope)
 
     return Depends(authenticate)

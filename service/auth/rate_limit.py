@@ -1,5 +1,5 @@
-"""Rate limits of failed logins, by name and by address, and of started notebook logins, by address. Each
-server process counts separately.
+"""Rate limits of failed logins and of unknown codes of notebook logins, by person and by address, and of
+started notebook logins, by address. Each server process counts separately.
 
 A browser in which the person has logged in before has its own counter, so guesses from elsewhere do not lock
 the person out of it. In a new browser the person waits as the attacker does, at most one window. Tokens
@@ -22,6 +22,7 @@ from service.http.errors import Problem
 from service.http.requests import network
 
 BY_NAME, BY_ADDRESS = RateLimitItemPerMinute(10, 15), RateLimitItemPerMinute(100, 10)
+MOST_AT_ONCE = 32  # passwords from one address that wait to be checked: a part of all that may wait
 STARTS = RateLimitItemPerMinute(300)  # a class behind one address starts its logins within a minute
 Key = tuple[RateLimitItem, str, str]
 
@@ -35,21 +36,24 @@ class LoginRateLimiter:
         self._starts = MovingWindowRateLimiter(MemoryStorage())
 
     @contextmanager
-    def guard(self, *keys: Key) -> Iterator[None]:
-        """Guard one login, which fails by raising Problem 401.
+    def guard(self, *keys: Key, failure: int = 401) -> Iterator[None]:
+        """Guard one login, which fails by raising a Problem with the status ``failure``: 401, or 404 for an
+        unknown code.
 
         Raises Problem 429 if the failed and pending logins of a key reach its limit.
         """
         for key in keys:
+            if key[1] == "address" and self._pending[key] >= MOST_AT_ONCE:
+                raise Problem(429, "too-many", AT_ONCE, retry_after=1)
             until, left = self._failed.get_window_stats(*key)
             if left <= self._pending[key]:
                 wait_s = math.ceil(until - time.time()) if left <= 0 else 1
-                raise _too_many(max(wait_s, 1))
+                raise _too_many(max(wait_s, 1), failure)
         self._pending.update(keys)
         try:
             yield
         except Problem as problem:
-            if problem.status == 401:
+            if problem.status == failure:
                 for key in keys:
                     self._failed.hit(*key)
             raise
@@ -80,14 +84,25 @@ def keys_of(request: Request, cookies: Cookies, name: str) -> list[Key]:
     return [(BY_NAME, "name", name), (BY_ADDRESS, "address", _address(request))]
 
 
+def keys_of_code(request: Request, name: str | None) -> list[Key]:
+    """Return the keys that count an unknown code from this address and, if known, of the person ``name``."""
+    by_person = [] if name is None else [(BY_NAME, "codes of person", name)]
+    return [(BY_ADDRESS, "codes of address", _address(request)), *by_person]
+
+
 def _address(request: Request) -> str:
     return network(request.client.host if request.client else "")
 
 
-def _too_many(wait_s: int) -> Problem:
+AT_ONCE = "too many people log in from your network at this moment: try again in a second"
+
+
+def _too_many(wait_s: int, failure: int) -> Problem:
     minutes = math.ceil(wait_s / 60)
+    wait = f"wait {minutes} minute{'s' if minutes > 1 else ''}"
     detail = (
-        f"too many failed logins: wait {minutes} minute{'s' if minutes > 1 else ''}, or log in with the token"
-        " from your course"
+        f"too many unknown codes: {wait}, then run ecp.login() again"
+        if failure == 404
+        else f"too many failed logins: {wait}, or log in with the token from your course"
     )
     return Problem(429, "too-many", detail, retry_after=wait_s)

@@ -68,9 +68,8 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
     files = {name: content for home, into in homes for name, content in _files(home, into)}
     files[f"service/cli/{HERE.name}/{LOCK}"] = lock()
     files |= {f"{info}/{name}": text.encode() for name in KEPT if (text := own.read_text(name)) is not None}
-    return f"polhode-{own.version}-py3-none-any.whl", zipfiles.wheel(
-        info, METADATA.format(version=own.version), dict(sorted(files.items()))
-    )
+    whole = zipfiles.Wheel(info, METADATA.format(version=own.version), dict(sorted(files.items())))
+    return f"polhode-{own.version}-py3-none-any.whl", whole.content()
 
 
 def lock() -> bytes:

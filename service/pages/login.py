@@ -1,5 +1,6 @@
 """Log-in and log-out pages, and the authorization of a notebook by its code."""
 
+from contextlib import suppress
 from typing import Annotated
 
 from fastapi import APIRouter, Request, Response
@@ -11,7 +12,7 @@ from service.auth.forms import PublicForm, SameOrigin, field, raw_field
 from service.auth.identity import Person, Visitor, by_token
 from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
-from service.auth.rate_limit import LoginRateLimiter, keys_of
+from service.auth.rate_limit import LoginRateLimiter, keys_of, keys_of_code
 from service.auth.roles import OptionalUser
 from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem, wants_page
@@ -26,6 +27,15 @@ Code = Annotated[str, AfterValidator(lambda code: code[:20])]
 Next = Annotated[str, AfterValidator(lambda path: local_path(path[:LONGEST_PATH]))]
 
 
+class UnknownCode(Problem):
+    """No notebook waits for a login with that code."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            404, "not-found", "no login request has this code: run ecp.login() again in the notebook"
+        )
+
+
 @router.get("/login", response_class=HTMLResponse)
 async def login_page(
     request: Request,
@@ -33,13 +43,20 @@ async def login_page(
     settings: Config,
     database: Db,
     cookies: BrowserCookies,
+    limits: Held[LoginRateLimiter],
     code: Code = "",
     next: Next = "",
 ) -> Response:
     """Show the log-in page, or the authorization page for a notebook's code."""
+    label = None
+    if code:
+        name = person.name if person else None
+        with suppress(UnknownCode), limits.guard(*keys_of_code(request, name), failure=404):
+            if (label := await tokens.find_login(database, code)) is None:
+                raise UnknownCode
     context = {
         "code": code,
-        "label": await tokens.find_login(database, code) if code else None,
+        "label": label,
         "next": next,
         "person": person,
         "out": "out" in request.query_params,
@@ -84,10 +101,10 @@ async def login(
     else:
         name = visitor.with_scope("login").name
     refused = bool(field(form, "refuse"))
-    if code and not await tokens.confirm_login(database, code, None if refused else name):
-        raise Problem(
-            404, "not-found", "no login request has this code: run ecp.login() again in the notebook"
-        )
+    if code:
+        with limits.guard(*keys_of_code(request, name), failure=404):
+            if not await tokens.confirm_login(database, code, None if refused else name):
+                raise UnknownCode
     response: Response = RedirectResponse(next or "/", 303)
     if code:
         response = templates.TemplateResponse(

@@ -40,6 +40,25 @@ def _required(content):
     return [line.removeprefix("Requires-Dist: ") for line in lines if line.startswith("Requires-Dist: ")]
 
 
+def test_the_name_by_which_a_client_calls_the_server_makes_no_work(monkeypatch):
+    wheel("rigid-body", "http://a.example")
+    written = []
+    monkeypatch.setattr(
+        zipfile.ZipFile,
+        "writestr",
+        lambda archive, about, *rest, write=zipfile.ZipFile.writestr: (
+            written.append(about.filename) or write(archive, about, *rest)
+        ),
+    )
+    made = wheel("rigid-body", "http://b.example")
+    assert [name.split("/")[-1] for name in written] == ["made.json", "RECORD"]
+    with zipfile.ZipFile(io.BytesIO(made)) as archive:
+        assert archive.testzip() is None and len(archive.namelist()) == len({*archive.namelist()})
+        (record,) = (name for name in archive.namelist() if name.endswith("/RECORD"))
+        listed = [line.split(",")[0] for line in archive.read(record).decode().splitlines()]
+    assert sorted(listed) == sorted(archive.namelist())
+
+
 def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
     with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
         home = "ecp/assignments/rigid_body/"

@@ -46,5 +46,5 @@ def known(*paths):
 
 
 def _forget_what_depends_on_it():
-    for cached in (load_catalogue, catalogue._load, wheel.build, wheel.wheel, wheel._content):
+    for cached in (load_catalogue, catalogue._load, wheel.build, wheel._wheel, wheel._content):
         cached.cache_clear()

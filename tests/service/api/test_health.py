@@ -1,9 +1,18 @@
 """What the server says of itself: alive, ready, and why nothing can be graded."""
 
+import contextlib
 import json
+import subprocess
+import time
 
+import pytest
+
+from service.api.health import CACHED_S
 from service.store import workers
 from service.store.database import Database
+from service.store.postgres.server import EmbeddedPostgres
+from service.store.schema import migrate
+from tests.support.app import App
 from tests.support.database import run, sql
 from tests.support.http_client import call, post
 
@@ -52,3 +61,55 @@ def test_what_was_written_into_a_lost_folder_is_not_accepted(new_app, database_u
     assert status == 503 and json.loads(body)["type"] == "urn:polhode:problem:database-lost"
     assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)], "it was committed"
     assert json.loads(call(app, "/readyz")[2])["checks"]["database"] == "lost: postgres is missing"
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A folder on a small file system of its own."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounting = ["mount", "-t", "tmpfs", "-o", "size=160m", "tmpfs", str(folder)]
+    if subprocess.run(mounting, capture_output=True).returncode:
+        pytest.skip("needs the permission to mount a file system")
+    yield folder
+    subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+@pytest.fixture
+def full_server(small_disk):
+    """An application whose database is on the small disk."""
+    postgres = EmbeddedPostgres(small_disk / "data")
+    postgres.start()
+    try:
+        migrate(postgres.url)
+        app = App(database_url=postgres.url, identity="local")
+        yield app, postgres.url
+        app.stop()
+    finally:
+        postgres.stop()
+
+
+@pytest.mark.slow
+def test_a_server_whose_database_has_a_full_disk_is_not_ready(full_server, small_disk):
+    app, url = full_server
+
+    def ready():
+        run(url, lambda database: workers.register_worker(database, "w1", "process", None))
+        return seen()
+
+    def seen():
+        time.sleep(1.1 * CACHED_S)
+        status, _, body = call(app, "/readyz")
+        return status, json.loads(body)["checks"]["database"]
+
+    assert ready() == (200, "ok")
+    filler = small_disk / "filler"
+    with contextlib.suppress(OSError), filler.open("wb", buffering=0) as stream:
+        while True:
+            stream.write(bytes(4096))
+    assert seen() == (503, "its disk is full, so no submission is accepted: free some space")
+    large = "# " + "0123456789abcdef" * 12_000
+    assert post(app, {"source": large})[0] == 503
+    filler.unlink()
+    assert ready() == (200, "ok")
+    assert post(app, {"source": "x = 1"})[0] == 202

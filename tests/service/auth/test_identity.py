@@ -164,6 +164,17 @@ def test_a_name_alone_makes_nobody_staff(server, url):
     assert call(server, path, token=given(url, "local"))[0] == 403
 
 
+def test_who_has_left_the_course_reads_and_does_not_submit(server, url):
+    token = given(url, "ivo")
+    sent = call(server, SLUG, ZEROS, token)[1]["id"]
+    run(url, inside(lambda connection: people.enroll(connection, [("ivo", "former")])))
+    status, told, _ = call(server, SLUG, ZEROS, token)
+    assert status == 403 and told["type"].endswith("not-allowed") and "left this course" in told["detail"]
+    assert call(server, f"/v1/submissions/{sent}", token=token)[0] == 200
+    run(url, inside(lambda connection: people.enroll(connection, [("ivo", "student")])))
+    assert call(server, SLUG, ZEROS, token)[0] == 202
+
+
 def test_a_notebook_is_logged_in_by_a_code_confirmed_in_the_browser(server, url):
     asked = call(server, "/v1/logins", b'{"label": "Python on <b>x</b>"}')[1]
     collect = json.dumps({"device_code": asked["device_code"]}).encode()

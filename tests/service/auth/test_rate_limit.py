@@ -5,6 +5,7 @@ from contextlib import ExitStack
 import pytest
 from fastapi import Request
 
+from service.auth import passwords
 from service.auth.rate_limit import BY_ADDRESS, BY_NAME, LoginRateLimiter
 from service.http.errors import Problem
 from service.http.requests import network
@@ -47,6 +48,19 @@ def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
     with limiter.guard(ANN):
         pass
     assert not limiter._pending
+
+
+def test_guesses_from_one_address_at_once_leave_others_a_place_to_log_in():
+    limiter, begun = LoginRateLimiter(), 0
+    with ExitStack() as stack:
+        for n in range(150):
+            try:
+                stack.enter_context(limiter.guard((BY_NAME, "name", str(n)), HERE))
+                begun += 1
+            except Problem as refused:
+                assert (refused.status, refused.retry_after) == (429, 1)
+        assert 0 < begun <= passwords.MOST_WAITING / 2
+        stack.enter_context(limiter.guard(ANN, (BY_ADDRESS, "address", "10.0.0.2")))
 
 
 @pytest.mark.parametrize(

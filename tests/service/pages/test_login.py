@@ -257,6 +257,32 @@ def test_guessing_is_stopped_for_the_name_and_for_nobody_else(server, url):
     assert status == 429 and json.loads(problem)["type"] == "urn:polhode:problem:too-many"
 
 
+def unknown_codes(count):
+    for n in range(count):
+        yield "/login?code=" + "".join("BCDFGHJKLM"[int(digit)] for digit in f"{n:08}")
+
+
+def test_codes_of_notebooks_cannot_be_guessed_without_limit_by_a_person(server, url):
+    ned = from_address(server, "10.5.0.1", Accept="application/json").log_in(token=entered(url, "ned"))
+    asked = json.loads(from_address(server, "10.5.0.9").open("/v1/logins", label="mine")[1])
+    confirm = {"csrf": HIDDEN.search(ned.open(f"/login?code={asked['user_code']}")[1])[1]}
+    assert [ned.open(code, **confirm)[0] for code in unknown_codes(12)] == [404] * 10 + [429] * 2
+    status, told = ned.open(f"/login?code={asked['user_code']}", **confirm)
+    assert status == 429 and "too many unknown codes: wait 1" in told, "he cannot tell whether it is known"
+    assert ned.open("/account")[0] == 200
+    moved = from_address(server, "10.5.0.2").log_in(token=entered(url, "ned"))
+    assert moved.open(f"/login?code={asked['user_code']}")[0] == 429, "the person, at any address"
+    other = from_address(server, "10.5.0.1").log_in(token=entered(url, "ola"))
+    assert "authorized as ola" in other.send(*[f"/login?code={asked['user_code']}"] * 2)[1]
+
+
+def test_codes_of_notebooks_cannot_be_guessed_without_limit_by_nobody_either(server):
+    browser = from_address(server, "10.6.0.1")
+    assert [browser.open(code)[0] for code in unknown_codes(102)] == [200] * 100 + [429] * 2
+    assert browser.open("/login")[0] == 200
+    assert from_address(server, "10.6.0.2").open(next(unknown_codes(1)))[0] == 200
+
+
 def test_a_known_browser_may_not_guess_forever_either(server, url):
     entered(url, "lea", password=PASSWORD)
     own = from_address(server, "10.4.0.1").log_in(name="lea", password=PASSWORD)

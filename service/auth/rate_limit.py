@@ -24,6 +24,7 @@ from service.http.requests import network
 BY_NAME, BY_ADDRESS = RateLimitItemPerMinute(10, 15), RateLimitItemPerMinute(100, 10)
 MOST_AT_ONCE = 32  # passwords from one address that wait to be checked: a part of all that may wait
 STARTS = RateLimitItemPerMinute(300)  # a class behind one address starts its logins within a minute
+JUMP_S = 5.0  # less is a clock that is being corrected
 Key = tuple[RateLimitItem, str, str]
 
 
@@ -31,9 +32,10 @@ class LoginRateLimiter:
     """Counts failed, pending and started logins."""
 
     def __init__(self) -> None:
-        self._failed = MovingWindowRateLimiter(MemoryStorage())
+        self._storage = MemoryStorage()
+        self._windows = MovingWindowRateLimiter(self._storage)
         self._pending: Counter[Key] = Counter()
-        self._starts = MovingWindowRateLimiter(MemoryStorage())
+        self._clock = _clock()
 
     @contextmanager
     def guard(self, *keys: Key, failure: int = 401) -> Iterator[None]:
@@ -42,10 +44,11 @@ class LoginRateLimiter:
 
         Raises Problem 429 if the failed and pending logins of a key reach its limit.
         """
+        self._notice_jump()
         for key in keys:
             if key[1] == "address" and self._pending[key] >= MOST_AT_ONCE:
                 raise Problem(429, "too-many", AT_ONCE, retry_after=1)
-            until, left = self._failed.get_window_stats(*key)
+            until, left = self._windows.get_window_stats(*key)
             if left <= self._pending[key]:
                 wait_s = math.ceil(until - time.time()) if left <= 0 else 1
                 raise _too_many(max(wait_s, 1), failure)
@@ -55,7 +58,7 @@ class LoginRateLimiter:
         except Problem as problem:
             if problem.status == failure:
                 for key in keys:
-                    self._failed.hit(*key)
+                    self._windows.hit(*key)
             raise
         finally:
             self._pending.subtract(keys)
@@ -63,18 +66,30 @@ class LoginRateLimiter:
                 if self._pending[key] <= 0:
                     del self._pending[key]
 
+    def _notice_jump(self) -> None:
+        """Forget all counts after a jump of the clock, by which they would count too long or too little."""
+        before, self._clock = self._clock, _clock()
+        if abs(self._clock - before) > JUMP_S:
+            self._storage.reset()
+
     def start(self, request: Request) -> None:
         """Count a started notebook login. Raises Problem 429 if its address has started too many within a
         minute.
         """
+        self._notice_jump()
         address = _address(request)
-        if not self._starts.hit(STARTS, address):
-            until, _ = self._starts.get_window_stats(STARTS, address)
+        if not self._windows.hit(STARTS, address):
+            until, _ = self._windows.get_window_stats(STARTS, address)
             wait_s = max(1, math.ceil(until - time.time()))
             detail = (
                 f"too many logins were started from your network: wait {wait_s} s, then run ecp.login() again"
             )
             raise Problem(429, "too-many", detail, retry_after=wait_s)
+
+
+def _clock() -> float:
+    """Return the difference between the clock, which may jump, and the time that has passed."""
+    return time.time() - time.monotonic()
 
 
 def keys_of(request: Request, cookies: Cookies, name: str) -> list[Key]:

@@ -5,6 +5,7 @@ before a login.
 import hashlib
 import re
 import secrets
+from datetime import UTC, datetime, timedelta
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -66,12 +67,17 @@ class Cookies:
         response.delete_cookie(VISIT)
 
     def known_browser(self, name: str) -> str | None:
-        """Return the browser's identifier if the person has logged in with it before, otherwise None."""
+        """Return the browser's identifier if the person has logged in with it before, otherwise None.
+
+        A cookie from the future, signed before the clock went back, is good.
+        """
+        cookie = self._request.cookies.get(KNOWN, "")
         try:
-            owner, id = self.serializer("known").loads(self._request.cookies.get(KNOWN, ""), max_age=KNOWN_S)
+            (owner, id), signed_at = self.serializer("known").loads(cookie, return_timestamp=True)
         except BadData:
             return None
-        return str(id) if owner == name else None
+        fresh = datetime.now(UTC) - signed_at < timedelta(seconds=KNOWN_S)
+        return str(id) if owner == name and fresh else None
 
     @cached_property
     def anonymous_id(self) -> str:

@@ -67,17 +67,23 @@ def connections_left(url, reported=frozenset(), seconds=5.0):
 
 def jump(url, hours):
     """Leave the stored times as they are when the database's clock jumps by so many hours."""
-    for table, columns in {
-        "run": ("started_at", "heartbeat_at", "scene_at", "ended_at"),
-        "procrastinate_events": ("at",),
-        "grading": ("requested_at",),
-        "worker": ("seen_at",),
-    }.items():
-        sql(
-            url,
-            f"UPDATE {table} SET "
-            + ", ".join(f"{c} = {c} - make_interval(hours => {hours})" for c in columns),
-        )
+    with psycopg.connect(url) as connection:
+        connection.execute("SET session_replication_role = replica")  # what is never altered too
+        for table, columns in {
+            "run": ("started_at", "heartbeat_at", "scene_at", "ended_at"),
+            "procrastinate_events": ("at",),
+            "procrastinate_workers": ("last_heartbeat",),
+            "submission": ("submitted_at",),
+            "grading": ("requested_at",),
+            "result": ("finished_at",),
+            "worker": ("seen_at",),
+            "assignment": ("due_at",),
+            "extension": ("due_at",),
+            "token": ("created_at", "expires_at", "used_at", "revoked_at"),
+            "device_login": ("created_at", "expires_at"),
+        }.items():
+            changes = ", ".join(f"{c} = {c} - make_interval(hours => {hours})" for c in columns)
+            connection.execute(f"UPDATE {table} SET {changes}")
 
 
 def new_database(url, template):

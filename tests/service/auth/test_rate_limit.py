@@ -1,5 +1,6 @@
 """What is counted of failed logins, and for how long."""
 
+import time
 from contextlib import ExitStack
 
 import pytest
@@ -48,6 +49,16 @@ def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
     with limiter.guard(ANN):
         pass
     assert not limiter._pending
+
+
+@pytest.mark.parametrize("hours", [1, -1])
+def test_a_clock_that_jumps_locks_nobody_out_for_an_hour(monkeypatch, hours):
+    limiter, clock = LoginRateLimiter(), time.time
+    assert [fail(limiter, ANN).status for _ in range(11)] == [401] * 10 + [429]
+    monkeypatch.setattr(time, "time", lambda: clock() + 3600 * hours)
+    assert [fail(limiter, ANN).status for _ in range(11)] == [401] * 10 + [429]
+    refused = fail(limiter, ANN)
+    assert refused.status == 429 and refused.retry_after <= 15 * 60
 
 
 def test_guesses_from_one_address_at_once_leave_others_a_place_to_log_in():

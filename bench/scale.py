@@ -11,42 +11,31 @@ number of machines.
 import argparse
 import asyncio
 import os
-import pickle
 import secrets
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
-import types
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-import numpy as np
 import psycopg
 
+from bench.stand_ins import SOURCE, be_workers, record
 from exercises.catalogue import assignments
 from service.cli.demo import free_port
-from service.grading import rendering
-from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
-from service.settings import Settings
 from service.store.database import Database
 from service.store.postgres.os_user import as_server, own
 from service.store.postgres.server import find_programs
 from service.store.records import NewSubmission
 from service.store.schema import migrate
 from service.store.submissions import accept, register
-from service.workers.pool import WorkerPool
-from service.workers.worker import Worker
 
-SOURCE = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 CGROUP = Path("/sys/fs/cgroup/cpu")
 PERIOD_US, TICK = 100_000, os.sysconf("SC_CLK_TCK")
 PERSONS = 500
@@ -73,7 +62,7 @@ def main() -> None:
     parser.add_argument("--be-workers", type=Path, metavar="FILE", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.be_workers:
-        be_workers(given.be_workers, given.grading)
+        be_workers(given.be_workers, lambda submission, seed: given.grading)
         return
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends machines and database too
     with tempfile.TemporaryDirectory(prefix="scale-", ignore_cleanup_errors=True) as name:
@@ -87,35 +76,6 @@ def main() -> None:
         print("machines  gradings/s  ideal  database CPU ms each  database cores  connections  load")
         for number in given.machines:
             measure(folder / str(number), folder / "recorded", number, given)
-
-
-def record(file: Path) -> None:
-    """Grade a submission and store its report and the size of its arrays in ``file``."""
-    sandbox = Sandbox(choose("process", True))
-    try:
-        assignment = assignments()["rigid-body"]
-        graded = grade(Submission(SOURCE), assignment, sandbox, 7, ["2"])
-    finally:
-        sandbox.close()
-    file.write_bytes(pickle.dumps((graded.report, len(rendering.pack(graded)["arrays.npz"]))))
-
-
-def be_workers(recorded: Path, seconds: float) -> None:
-    """Run a pool of workers whose gradings wait ``seconds`` and return what was recorded."""
-    report, size = pickle.loads(recorded.read_bytes())
-
-    def grade_and_pack(*_: object) -> tuple[object, dict[str, bytes]]:
-        time.sleep(seconds)
-        return report, {"arrays.npz": np.random.default_rng().bytes(size)}
-
-    async def start(worker: Worker) -> bool:
-        sandbox = types.SimpleNamespace(cancelled=threading.Event(), zygotes=1, close=lambda: None)
-        worker._grader = types.SimpleNamespace(grade_and_pack=grade_and_pack, sandbox=sandbox)  # type: ignore[assignment]
-        worker._isolation = "none"
-        return True
-
-    Worker._start_sandbox = start  # type: ignore[method-assign]
-    WorkerPool(Settings()).run()
 
 
 def measure(folder: Path, recorded: Path, number: int, given: argparse.Namespace) -> None:

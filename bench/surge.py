@@ -6,7 +6,8 @@ samples below at times drawn as ``bench.plan`` draws them. The waits are read fr
 with a simulation of the same arrivals and with what ``bench.plan`` predicts. ``--write`` stores the
 measured grading times for ``bench.plan``. With ``--slow 3`` three of the students send files that run until
 they are stopped, each time another one, and the waits of all others are compared with those of the same
-surge without these students' slow files.
+surge without these students' slow files. With ``--waits`` gradings are waits of the
+measured times, so that other work on the machine changes little.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import contextlib
 import json
 import os
 import platform
+import re
 import signal
 import subprocess
 import sys
@@ -31,6 +33,7 @@ import numpy as np
 import psycopg
 
 from bench.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
+from bench.stand_ins import be_workers, record
 from exercises.catalogue import find
 from service.cli.demo import free_port
 from service.store.postgres.server import running_url
@@ -99,6 +102,8 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--notebook", action="store_true", help="send whole notebooks; default: exercise 2")
     parser.add_argument("--slow", type=int, default=0, metavar="N", help="students whose files are slow")
+    parser.add_argument("--waits", action="store_true", help="wait as long as gradings were measured to take")
+    parser.add_argument("--be-workers", type=Path, metavar="FILE", help=argparse.SUPPRESS)
     parser.add_argument("--rush", action="store_true", help="submission rate grows towards the deadline")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
@@ -106,6 +111,10 @@ def main() -> int:
     )
     parser.add_argument("--write", action="store_true", help=f"store the grading times in {MEASURED.name}")
     arguments = parser.parse_args()
+    if arguments.be_workers:
+        times = measured("notebook" if arguments.notebook else "exercise")
+        be_workers(arguments.be_workers, lambda given, seed: wait_s(given.source, times[seed % len(times)]))
+        return 0
     for how in (signal.SIGINT, signal.SIGTERM):
         signal.signal(how, signal.default_int_handler)
     minutes = arguments.seconds / 60
@@ -120,20 +129,22 @@ def main() -> int:
         seconds=measured(kind),
     )
     until = time.monotonic() + arguments.most
-    answers, rows, began = surge(asked, kind, until)
+    answers, rows, began = surge(asked, kind, until, waits=arguments.waits)
     failed = report(asked, answers, rows, began, kind if arguments.write else None)
     if arguments.slow:
-        _, slowed, _ = surge(asked, kind, until, arguments.slow)
+        _, slowed, _ = surge(asked, kind, until, arguments.slow, waits=arguments.waits)
         failed |= compare(rows, slowed, arguments.slow)
     return failed
 
 
-def surge(asked: Deadline, kind: str, until: float, slow: int = 0) -> tuple[list[Answer], list[Row], float]:
+def surge(
+    asked: Deadline, kind: str, until: float, slow: int = 0, *, waits: bool
+) -> tuple[list[Answer], list[Row], float]:
     """Run the surge on a server of its own, in which the first ``slow`` students send slow files.
 
     Return the responses, every grading, and the time of the begin in seconds since the epoch.
     """
-    with server(asked.workers) as (url, database):
+    with server(asked.workers, kind if waits else None) as (url, database):
         began = time.time()
         answers = asyncio.run(send(url, draw(asked), bodies(kind), asked.seed, slow))
         accepted = sum(a.status in (200, 202) for a in answers) - slow * asked.submissions
@@ -146,8 +157,11 @@ def names(students: int) -> list[str]:
 
 
 @contextlib.contextmanager
-def server(workers: int) -> Iterator[tuple[str, str]]:
-    """Run a server with ``workers`` warm workers; yield its URL and its database's URL."""
+def server(workers: int, waits: str | None = None) -> Iterator[tuple[str, str]]:
+    """Run a server with ``workers`` warm workers; yield its URL and its database's URL.
+
+    With ``waits`` these wait as long as gradings of that kind.
+    """
     with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder:
         data, log, port = Path(folder) / "polhode", Path(folder) / "log", free_port()
         environment = {
@@ -157,16 +171,23 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
         }
         environment |= {
             "POLHODE_DATA": str(data),
-            "POLHODE_WORKERS": str(workers),
+            "POLHODE_WORKERS": "0" if waits else str(workers),
             "POLHODE_PERSON_HEADER": "Remote-User",
         }
         environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         command = [sys.executable, "-m", "service.cli", "serve", "--port", str(port)]
+        stand_ins = None
         with log.open("wb") as stream:
             process = subprocess.Popen(command, env=environment, stdout=stream, stderr=stream)
         try:
+            if waits:
+                record(Path(folder) / "recorded")
+                stand_ins = _start_stand_ins(Path(folder) / "recorded", data, workers, waits)
             yield f"http://127.0.0.1:{port}", _ready(process, f"http://127.0.0.1:{port}", data, workers)
         finally:
+            if stand_ins is not None:
+                stand_ins.terminate()
+                stand_ins.wait(STOP_S)
             process.send_signal(signal.SIGTERM)
             try:
                 process.wait(STOP_S)
@@ -178,6 +199,24 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
                     *lines[-10:],
                     sep="\n  ",
                 )
+
+
+def _start_stand_ins(recorded: Path, data: Path, workers: int, kind: str) -> "subprocess.Popen[bytes]":
+    until = time.monotonic() + START_S
+    while (url := running_url(data)) is None:
+        if time.monotonic() > until:
+            raise RuntimeError("the server did not start")
+        time.sleep(0.2)
+    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": str(workers), "POLHODE_DRAIN": "0"}
+    kinds = ["--notebook"] if kind == "notebook" else []
+    command = [sys.executable, "-m", "bench.surge", "--be-workers", str(recorded), *kinds]
+    return subprocess.Popen(command, env=os.environ | own)
+
+
+def wait_s(source: str, usual: float) -> float:
+    """Return the time of a submission's grading in s: ``usual``, unless its source begins with a sleep."""
+    asleep = re.match(r"import time\ntime\.sleep\((\d+)\)", source)
+    return min(120.0, float(asleep[1])) if asleep else usual
 
 
 def bodies(kind: str) -> list[dict[str, object]]:

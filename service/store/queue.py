@@ -160,7 +160,8 @@ SELECT {_PLACE} FROM grading a JOIN submission s ON s.id = a.submission_id JOIN 
 WHERE a.id = :grading
 """
 
-# The person's earlier open gradings that are as slow count; the locks of all of them are taken.
+# The person's earlier open gradings that are as slow count; the locks of all of them are taken. One that was
+# put back has two jobs until the former one ends.
 _RANKS = f"""
 SELECT a.id, a.kind, a.slow, a.person, a.alone, a.places, before.earlier, before.locks
 FROM (
@@ -171,7 +172,10 @@ FROM (
     SELECT count(*) FILTER (WHERE b.kind = a.kind AND coalesce(j.queue_name = '{SLOW}', false) = a.slow)
         AS earlier, array_agg(j.lock) FILTER (WHERE j.lock IS NOT NULL) AS locks
     FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
-        LEFT JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade'
+        LEFT JOIN LATERAL (
+            SELECT queue_name, lock FROM procrastinate_jobs
+            WHERE args->>'attempt' = b.id::text AND task_name = 'grade' ORDER BY id DESC LIMIT 1
+        ) j ON true
     WHERE t.person_id = a.person AND r.grading_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
 ) before
 ORDER BY a.requested_at, a.id

@@ -126,10 +126,13 @@ async def finish(
         return False
 
 
-async def release(database: Database, claimed: Claim, end_reason: str, note: str) -> None:
+async def release(
+    database: Database, claimed: Claim, end_reason: str, note: str, *, exits: bool = False
+) -> None:
     """End a run without result and queue its grading again.
 
-    ``end_reason`` is "released" (the worker stops), "failed", or "postponed": it is slow and others wait.
+    ``end_reason`` is "released" (the worker stops), "failed", or "postponed": it is slow and others wait. The
+    run's job ends with the worker's task; if the worker ``exits`` before, it is deleted here.
     """
     async with database.begin() as connection:
         slow = True if end_reason == "postponed" else None
@@ -137,7 +140,7 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
         # A run that is not open was marked lost, and its grading is queued already.
         open = await connection.execute(_END_IF_OPEN, values)
         if open and await connection.first(_OWNER, {"grading": claimed.grading}) is None:
-            await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
+            await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading), "exits": exits})
             await send_gradings(connection, [claimed.grading], begun=end_reason == "released")
             if slow:
                 await lock_persons(connection, [claimed.submission_id])
@@ -252,7 +255,10 @@ UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note, slow = 
 WHERE id = :run AND ended_at IS NULL
 """
 
-_DROP_JOBS = "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'"
+_DROP_JOBS = """
+DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'
+    AND (status = 'todo' OR CAST(:exits AS boolean))
+"""
 
 
 def _outcomes(report: Report) -> list[dict[str, Any]]:

@@ -5,7 +5,6 @@ from statistics import median
 
 SLOW_S, TIMES = 3.0, 10  # a grading is slow after both, in seconds and in medians of its assignment
 KEPT, ENOUGH = 50, 5  # times of an assignment, and how many say what is usual
-UNKNOWN_S = 20.0  # while there are fewer
 
 
 class Pace:
@@ -21,7 +20,7 @@ class Pace:
     def slow_after(self, assignment: str) -> float:
         """Return the seconds after which a grading of the assignment is slow.
 
-        An assignment whose every grading takes long has no slow ones.
+        An assignment whose every grading takes long soon has no slow ones.
         """
         known = self._seconds[assignment]
-        return UNKNOWN_S if len(known) < ENOUGH else max(SLOW_S, TIMES * median(known))
+        return SLOW_S if len(known) < ENOUGH else max(SLOW_S, TIMES * median(known))

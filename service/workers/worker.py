@@ -282,7 +282,7 @@ class Worker:
         if self._claimed is not None:
             with _suppress_outages():
                 await asyncio.wait_for(
-                    runs.release(self._database, self._claimed, end_reason, note), RELEASE_S
+                    runs.release(self._database, self._claimed, end_reason, note, exits=True), RELEASE_S
                 )
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:

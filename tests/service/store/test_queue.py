@@ -120,6 +120,7 @@ def test_a_run_that_is_put_off_counts_as_no_failure_and_the_next_moves_up(databa
         assert [taken] == first
         claimed = claim(database_url, taken)
         run(database_url, lambda d, c=claimed: runs.release(d, c, "postponed", "others wait"))
+        assert sql(database_url, "DELETE FROM procrastinate_jobs WHERE status = 'doing' RETURNING true")
         queued = dict(sql(database_url, "SELECT args->>'attempt', queue_name FROM procrastinate_jobs"))
         assert queued == {first[0]: SLOW, second[0]: FIRST}
         assert sql(database_url, "SELECT max(priority) FROM procrastinate_jobs") == [(2000,)]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.workers.pace import ENOUGH, UNKNOWN_S, Pace
+from service.workers.pace import ENOUGH, SLOW_S, Pace
 
 
 @pytest.mark.parametrize(("usual", "slow_after"), [(0.07, 3.0), (0.3, 3.0), (2.0, 20.0), (40.0, 400.0)])
@@ -10,10 +10,10 @@ def test_slow_is_many_times_the_usual_time(usual, slow_after):
     pace = Pace()
     for _ in range(ENOUGH - 1):
         pace.note("waves", usual)
-    assert pace.slow_after("waves") == UNKNOWN_S, "too few are known"
+    assert pace.slow_after("waves") == SLOW_S, "too few are known"
     pace.note("waves", usual)
     assert pace.slow_after("waves") == pytest.approx(slow_after)
-    assert pace.slow_after("lagrangian") == UNKNOWN_S
+    assert pace.slow_after("lagrangian") == SLOW_S
 
 
 def test_a_few_slow_ones_do_not_change_what_is_usual():

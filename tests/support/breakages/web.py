@@ -84,7 +84,7 @@ WEB = [
     Breakage(
         "one address can start any number of logins",
         "service/auth/rate_limit.py",
-        "if not self._starts.hit(STARTS, address):",
+        "if not self._windows.hit(STARTS, address):",
         "if False:",
         ("tests/service/auth/test_rate_limit.py",),
     ),

@@ -67,9 +67,11 @@ WHOLE = Component("", None, "")
 
 
 def wrong_components(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Component]:
-    """Return the components of an answer that are not exact, none if it is not made of returned values."""
+    """Return the components of an answer that are not exact, none if it is not compared with exact values of
+    the same shapes.
+    """
     values = {value["name"]: value for value in question["returns"]}
-    if not all(name in seen and name in truth for name in values):
+    if not all(np.shape(seen.get(name)) == np.shape(truth.get(name)) != () for name in values):
         return []
     return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth)]
 
@@ -260,7 +262,7 @@ def _factor(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
     none.
     """
     large = np.abs(want) > 1e-3 * np.abs(want).max()
-    if np.ptp(want[large]) == 0:
+    if not large.any() or np.ptp(want[large]) == 0:
         return 0.0
     factor = float(np.median(got[large] / want[large]))
     return factor if np.allclose(got, factor * want, rtol=1e-9, atol=1e-9 * np.abs(want).max()) else 0.0

@@ -6,7 +6,10 @@ import scipy.special
 
 from exercises.authoring.words import Notebook, absolute, array_of, between, normal, relative
 
-notebook = Notebook("notebook.ipynb", title="The pendulum")
+notebook = Notebook(
+    "notebook.ipynb",
+    title="The pendulum",
+)
 
 
 @notebook.exercise("1", points=4)

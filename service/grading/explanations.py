@@ -71,7 +71,7 @@ def wrong_components(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -
     the same shapes.
     """
     values = {value["name"]: value for value in question["returns"]}
-    if not all(np.shape(seen.get(name)) == np.shape(truth.get(name)) != () for name in values):
+    if not all(name in seen and name in truth and seen[name].shape == truth[name].shape for name in values):
         return []
     return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth)]
 

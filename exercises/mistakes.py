@@ -9,6 +9,7 @@ from typing import Any
 
 from ecp.judge import Verdict
 from exercises import author_notebook
+from exercises.authoring.solutions import NotebookSolution
 from exercises.mutation import pairs, variants
 from exercises.question import Question
 from exercises.samples import codes
@@ -88,14 +89,14 @@ def made_samples(
         absent = {number for number, question in questions if not written.issuperset(question.names)}
         if solved := tuple(number for number in numbers if number not in absent):
             yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), solved, right=True)
-    made: list[tuple[str, Any]] = []
+    made: list[Any] = []
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
             others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
             source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
-            if (question.function, mistake) in made:  # in another case of the function
+            if any(mistake is one for one in made):  # in another case of the function
                 continue
-            made.append((question.function, mistake))
+            made += [mistake] if isinstance(question.solution, NotebookSolution) else []
             about = (mistake.code or "no_code").replace("-", "_")
             yield MadeSample(
                 f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code

@@ -216,7 +216,8 @@ def _readings(
     """Yield what the numbers of a component are, other than the exact ones."""
     got, want = component.of(seen[component.name]), component.of(truth[component.name])
     is_whole = not component.label
-    what = question["function"] if is_whole else f"{component.label} of {question['function']}"
+    whose = "the checked value" if question.get("call") else question["function"]
+    what = whose if is_whole else f"{component.label} of {whose}"
 
     def cause(code: str, sentence: str, rank: Rank = Rank.READ) -> Cause:
         return Cause(rank, (code,), (sentence,))
@@ -240,7 +241,7 @@ def _readings(
         yield cause("units", f"{what} is in degrees: the exercise asks for radians")
     if is_(np.radians(want)):
         yield cause("units", f"{what} is converted from degrees to radians, which it was already")
-    for name in question["drawn"]:
+    for name in question["drawn"] if not question.get("call") else ():
         given = _at(seen.get(f"at_{name}"), component.at)
         if given is not None and is_(given):
             yield cause("returns-input", f"{what} is the argument {name} itself")

@@ -137,8 +137,7 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
     agreed = tally.samples - tally.unexpected
     yield (
         f"{assignment.slug}: {agreed} of {tally.samples + tally.faults} samples as expected,"
-        f" {len(tally.made)} checks"
-        + (f"; {tally.faults} samples could not be graded" if tally.faults else "")
+        f" {len(tally.made)} checks" + (f"; {tally.faults} not graded" if tally.faults else "")
     )
     yield from (f"{name}: listed in expected.toml, but the file does not exist" for name in found.missing)
     if whole:

@@ -137,7 +137,7 @@ class _Results:
         yield (
             f"{self.assignment.slug}: {agreed} of {len(self.samples)} samples as expected on {seeds}"
             f" {'seeds' if seeds > 1 else 'seed'}, {len(self.tally.made)} checks"
-            + (f"; {len(self.faults)} samples could not be graded" if self.faults else "")
+            + (f"; {len(self.faults)} not graded" if self.faults else "")
         )
         if whole:
             yield from self._untested()

@@ -21,6 +21,7 @@ ROLES = ("student", "assistant", "instructor")
 RANK = {role: rank for rank, role in enumerate(ROLES)}
 # Pages that nobody has to be known for. Whatever else has no role declared fails below.
 OPEN = {
+    "/help",
     "/docs",
     "/login",
     "/logout",
@@ -104,6 +105,8 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
     own = {
         "/submissions/{id}",
         "/submissions/{id}/diff",
+        "/submissions/{id}/source",
+        "/assignments/{slug}/notebook",
         "/submissions/{id}/motions/{name}.json",
         "/v1/submissions/{id}/report.html",
     }

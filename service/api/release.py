@@ -5,17 +5,14 @@ of hidden checks.
 from dataclasses import replace
 from typing import Any
 
-from ecp.judge import Verdict
-from ecp.outcome import Outcome
-from ecp.report import Report, pictures
 from exercises.catalogue import assignments
 from service.auth.identity import STAFF, Person
 from service.grading.author_errors import FAULT
+from service.grading.withholding import without_details
 from service.store.database import Row
 from service.store.records import SubmissionRecord
 
 NOT_RELEASED = "the scores of this assignment have not been released yet: look again later"
-LATER = "the details of this check have not been released yet"
 SCORES: dict[str, Any] = {
     "score": None,
     "max_score": None,
@@ -39,7 +36,9 @@ def visible(person: Person, stored: SubmissionRecord) -> SubmissionRecord:
     if not stored.scores_released:
         return replace(stored, report=None, points=None, penalty=0.0, withheld=True)
     if stored.report is not None and not stored.details_released:
-        return replace(stored, report=_without_details(stored.report))
+        return replace(
+            stored, report=without_details(stored.report, assignments().get(stored.report.assignment))
+        )
     return stored
 
 
@@ -48,35 +47,3 @@ def visible_row(person: Person, row: Row) -> Row:
     if person.role in STAFF or row.scores_released:
         return row
     return row._replace(**{name: value for name, value in SCORES.items() if name in row._fields})
-
-
-def _without_details(report: Report) -> Report:
-    """Return the report with no more of hidden checks than verdicts and points, and with nothing that their
-    scenes returned.
-    """
-    assignment = assignments().get(report.assignment)
-    public = (
-        {scene.name for scene in assignment.scenes if not callable(scene.inputs)} if assignment else set()
-    )
-    exercises = [
-        replace(e, outcomes=[_without_numbers(o) if o.hidden else o for o in e.outcomes])
-        for e in report.exercises
-    ]
-    figures, animations = pictures(assignment.exercises, public) if assignment else ([], [])
-    shown = {picture.name for picture in (*figures, *animations)}
-    return replace(
-        report,
-        exercises=exercises,
-        provenance=replace(report.provenance, seed=0, chains={}),
-        figures=[one for one in report.figures if one.name in shown],
-        animations=[one for one in report.animations if one.name in shown],
-        scene_ends=[end for end in report.scene_ends if end.scene in public],
-        stdout="",
-        sweep=None,
-    )
-
-
-def _without_numbers(outcome: Outcome) -> Outcome:
-    remarks = [] if outcome.verdict is Verdict.PASS else [LATER]
-    numbers: dict[str, Any] = dict.fromkeys(("measured", "expected", "margin", "where", "cause"))
-    return replace(outcome, detail="", diagnosis=[], hints=[], remarks=remarks, **numbers)

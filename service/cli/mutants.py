@@ -28,7 +28,7 @@ from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, with_packages
-from service.sandbox.time_budget import TimeLimits
+from service.sandbox.time_budget import TimeBudget, TimeLimits
 from service.settings import Settings
 
 SEED = 1
@@ -171,9 +171,8 @@ def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult
             exact = scene.truth(inputs[scene.name])
             known = {name: exact[name] for name in scene.known}
             checks = [check for check in assignment.checks() if check.scenes == (scene.name,)]
-            found = play_variants(
-                job, scene.name, list(outcomes), sandbox, budget_s=scene.budget_s, limits=LIMITS
-            )
+            budget = TimeBudget(LIMITS)
+            found = play_variants(job, scene.name, list(outcomes), sandbox, budget, budget_s=scene.budget_s)
             for variant, arrays in found.items():
                 outcomes[variant] |= {
                     check.id: check.judge([{**arrays, **known}], [exact]) for check in checks

@@ -26,6 +26,7 @@ from service.formats.check_text import (
     sanitize,
 )
 from service.grading.result import GradedFile, state
+from service.grading.withholding import without_details
 
 MOST_PICTURES = 4 << 20
 """Bytes of PNG per document. Gradescope documents no limit."""
@@ -60,17 +61,28 @@ def _graded(
     missed = not_attempted(report, assignment)
     total = report.max_score + sum(missed.values())
     point = 1 if max_score is None else max_score / total if total else 0
-    tests = [test for exercise in report.exercises for test in _tests(exercise, report, point, hidden)]
+    public = report if hidden == VISIBLE else without_details(report, assignment)
+    tests = [
+        test
+        for pair in zip(report.exercises, public.exercises, strict=True)
+        for test in _tests(_shown(*pair), report, point, hidden)
+    ]
     tests += [_failed(name, name) | {"score": 0, "max_score": point * most} for name, most in missed.items()]
     if not report.max_score:
         tests.append(_failed(NOTHING, "no check could be scored"))
     made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance
     return {
         "score": report.score * point,
-        "output": sanitize("\n\n".join(filter(None, [_causes(report, hidden), report.summary()]))),
-        "tests": [*tests, *_figures(file, report)],
+        "output": sanitize("\n\n".join(filter(None, [_causes(public, hidden), report.summary()]))),
+        "tests": [*tests, *_figures(file, public)],
         "extra_data": made | {"seed": provenance.seed, "versions": provenance.versions},
     }
+
+
+def _shown(whole: ExerciseReport, public: ExerciseReport) -> ExerciseReport:
+    """Return an exercise with hidden outcomes in full and the others as in the ``public`` one."""
+    pairs = zip(whole.outcomes, public.outcomes, strict=True)
+    return replace(whole, outcomes=[one if one.hidden else shown for one, shown in pairs])
 
 
 def _causes(report: Report, hidden: str) -> str:

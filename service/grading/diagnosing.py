@@ -1,7 +1,8 @@
 """The likely causes of a ✗ or –."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,10 +33,17 @@ def diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced: 
             found = assignment.diagnose_function(
                 function, {name: (inputs[name], arrays[name]) for name in same}
             )
-            return assignment.diagnose(scene, inputs[scene], arrays[scene]) if found is None else found
+            if found is not None:
+                return with_scenes(found, same)
+            return with_scenes(assignment.diagnose(scene, inputs[scene], arrays[scene]), [scene])
     except Exception:
         log.exception("the diagnosis of scene %s failed", scene)
         return []
+
+
+def with_scenes(found: list[Diagnosis], scenes: Iterable[str]) -> list[Diagnosis]:
+    """Return diagnoses that record the ``scenes`` whose results show them."""
+    return [replace(one, scenes=tuple(scenes)) for one in found]
 
 
 def diagnose_failure(scenes: list[Scene], result: PlayResult, causes: Causes) -> list[Diagnosis]:
@@ -48,5 +56,5 @@ def diagnose_failure(scenes: list[Scene], result: PlayResult, causes: Causes) ->
         for name in (scene.after, scene.name):
             scene_end = result.scene_ends.get(name or "")
             if scene_end is not None and scene_end.code is not None:
-                return [Diagnosis(code=scene_end.code, sentence=scene_end.cause, confidence=1.0)]
+                return [Diagnosis(scene_end.code, scene_end.cause, 1.0, (scene_end.scene,))]
     return []

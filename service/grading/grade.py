@@ -12,13 +12,13 @@ from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
+from service.grading import reproduction
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used
 from service.grading.diagnosing import diagnose
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.judging import judge
 from service.grading.playing import OnProgress, play_job
-from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -56,8 +56,9 @@ def grade(
 ) -> Graded:
     """Grade the exercises ``numbers`` (None: those that the submission requests, or else attempts).
 
-    ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those
-    that the assignment declares if they are longer; scenes that are left have then timed out. Raises
+    ``seed`` determines the hidden scenes. All processes that run the submission have together the sandbox's
+    time limits, or those that the assignment declares if they are longer; scenes that are left have then
+    timed out. The variants that diagnose its errors have limits of their own. Raises
     UnknownExercise, and SystemFault if the sandbox fails, a package of the assignment is not installed, or
     the assignment's own code fails.
     """
@@ -82,13 +83,17 @@ def _grade(
     needed = _with_precursors(assignment, with_used(assignment, wanted))
     scenes = [s for s in assignment.scenes if s.name in needed]
     inputs = {s.name: draw_inputs(s, seed) for s in scenes}
-    job = job_of(submission, assignment, scenes, inputs)
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
+    with budget.charged():
+        job = job_of(submission, assignment, scenes, inputs)
     played = play_job(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
     chains = play_chains(assignment, played, sandbox)
     result = played.result
     covered = asked if numbers is not None else _covered(asked, result.written)
-    reproduced = functools.cache(lambda question: diagnose_question(assignment, question, played, sandbox))
+    variants = TimeBudget(reproduction.LIMITS)
+    reproduced = functools.cache(
+        lambda question: reproduction.diagnose_question(assignment, question, played, sandbox, variants)
+    )
     causes = functools.cache(lambda scene: diagnose(assignment, scene, played, reproduced))
     sections = [judge(e, assignment, played, causes, remarks=chains.remarks) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})

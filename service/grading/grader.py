@@ -13,6 +13,7 @@ from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded, grade
 from service.grading.jobs import job_of, truth
 from service.grading.playing import OnProgress, play
+from service.grading.reproduction import LIMITS
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -27,6 +28,12 @@ class Grader:
 
     def __init__(self, sandbox: Sandbox) -> None:
         self.sandbox = sandbox
+
+    def longest_s(self, slug: str) -> float:
+        """Return the seconds that a submission to an assignment occupies the sandbox at most. Raises
+        SystemFault.
+        """
+        return self.sandbox.limits.at_least(find_assignment(slug).cpu_s).wall_s + LIMITS.wall_s
 
     def ready(self) -> None:
         """Return when the sandbox has passed its self-test. Raises SystemFault if it has not."""
@@ -61,9 +68,8 @@ class Grader:
         assert not callable(scene.inputs)
         began = time.monotonic()
         job = job_of(submission, assignment, [scene], {scene.name: scene.inputs})
-        result = play(
-            job, assignment, self.sandbox, budget=TimeBudget(self.sandbox.limits.at_least(assignment.cpu_s))
-        )
+        budget = TimeBudget(self.sandbox.limits.at_least(assignment.cpu_s))
+        result = play(job, assignment, self.sandbox, budget)
         elapsed = time.monotonic() - began
         if not result.finished(scene.name):
             scene_end = result.scene_ends.get(scene.name)

@@ -1,6 +1,7 @@
 """Judging what a submission returned by the checks of an exercise."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise
@@ -31,7 +32,8 @@ def judge(
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
         if absent := _absent(check, scenes, result):
-            outcome.diagnosis = [Diagnosis(absent.code, absent.sentence, 1.0)] if absent.code else []
+            name, why = absent
+            outcome.diagnosis = [Diagnosis(why.code, why.sentence, 1.0, (name,))] if why.code else []
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = diagnose_failure(scenes, result, causes)
         outcome.hidden = assignment.hidden(check)
@@ -55,30 +57,36 @@ def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapp
         return check.reported(claims, _cause_of_cell(check.cell, result), stopped=check.cell in result.cells)
     for scene in scenes:
         if not result.finished(scene.name):
-            return check.unmeasured(_cause(scene, result))
+            name, sentence = _cause(scene, result)
+            return replace(check.unmeasured(sentence), cause_scene=name)
     if absent := _absent(check, scenes, result):
-        return check.unmeasured(absent.sentence)
+        name, why = absent
+        return replace(check.unmeasured(why.sentence), cause_scene=name)
     return check.judge([result.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
 
 
-def _absent(check: Check, scenes: list[Scene], result: PlayResult) -> Absent | None:
-    """Return why an array that the check reads is absent, None if none is."""
-    found = (result.noted(s.name).unread(check.arrays) for s in scenes if result.finished(s.name))
-    return next(filter(None, found), None)
+def _absent(check: Check, scenes: list[Scene], result: PlayResult) -> tuple[str, Absent] | None:
+    """Return a scene of which an array that the check reads is absent, and why. None if none is."""
+    for scene in scenes:
+        if result.finished(scene.name) and (why := result.noted(scene.name).unread(check.arrays)):
+            return scene.name, why
+    return None
 
 
-def _cause(scene: Scene, result: PlayResult) -> str:
-    """Return why a scene has no result: its own scene end, or that of the scene it comes after."""
+def _cause(scene: Scene, result: PlayResult) -> tuple[str | None, str]:
+    """Return why a scene has no result, by its own scene end or that of the scene it comes after, and the
+    name of the scene that ended so; None if its inputs have nothing to do with it.
+    """
     scene_end = result.scene_ends.get(scene.name)
     if scene_end is None:
-        return "your code stopped before this scene was played"
+        return None, "your code stopped before this scene was played"
     if (
         scene_end.ended is Ended.NOT_PLAYED
         and scene.after in result.scene_ends
         and not result.finished(scene.after)
     ):
         scene_end = result.scene_ends[scene.after]
-    return scene_end.sentence
+    return None if scene_end.ended is Ended.MISSING else scene_end.scene, scene_end.sentence
 
 
 def _cause_of_cell(cell: str, result: PlayResult) -> str:

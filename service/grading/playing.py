@@ -63,7 +63,7 @@ def play_job(
         except Exception as error:  # raised after the play: the guest goes on
             failed.append(error)
 
-    result = play(job, assignment, sandbox, on_scene, budget)
+    result = play(job, assignment, sandbox, budget, on_scene)
     if failed:
         raise failed[0]
     on_progress("judging", len(places), len(places))
@@ -85,15 +85,15 @@ def play(
     job: Job,
     assignment: Assignment,
     sandbox: Sandbox,
+    budget: TimeBudget,
     on_scene: OnScene = ignore,
-    budget: TimeBudget | None = None,
 ) -> PlayResult:
     """Play the job as ``Sandbox.play`` does. Raises AssignmentFault if a scene fails because of the
     assignment.
 
     A scene whose exception the submission's code did not raise itself is played again, in another child, with
-    a right submission. If it fails at the same place, the assignment is the cause, else what the student's
-    function returned.
+    a right submission, within the same ``budget``. If it fails at the same place, the assignment is the
+    cause, else what the student's function returned.
     """
     result = sandbox.play(job, on_scene, budget)
     for scene in job.scenes:
@@ -104,9 +104,7 @@ def play(
         if source is None:
             source = NO_SUBMISSION.format(name=f"_{secrets.token_hex(8)}", function=scene.function)
         right = replace(job, cells=(Cell("solution.py", source),), scenes=(replace(scene, after=None),))
-        other = sandbox.play(
-            right, budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
-        ).author_errors.get(scene.name)
+        other = sandbox.play(right, budget=budget).author_errors.get(scene.name)
         if other is not None and (same_error(found, other) if known else found == other):
             raise fault(assignment, f"scene {scene.name}: {other}")
         sentence = UNUSABLE.format(function=scene.function, error=result.scene_ends[scene.name].sentence)

@@ -1,7 +1,11 @@
-"""The published notebook's own cells, run in place of the student's copies."""
+"""The published notebook's own cells, run in place of the student's copies.
 
-import difflib
-from collections import defaultdict
+Finding the copies is work of the host, so it is bounded: equal texts are found by their lines, and similar
+ones by counting pairs of words, in at most MOST_PARTS parts of a submission.
+"""
+
+import re
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -10,7 +14,10 @@ from exercises.assignment import PublishedCell
 from service.sandbox.guest.pieces import MARK, MOST_PIECES
 from service.sandbox.job import Cell
 
-ALIKE = 0.6  # least similarity of an edited copy to the published cell
+ALIKE = 0.6  # least share of the words of an edited copy and of the published cell that both have in pairs
+MOST_PARTS = 1000
+MOST_PADDING = 1 << 20  # empty lines before all parts, which keep the numbers of their lines
+WORD = re.compile(r"\w+|[^\w\s]")
 
 
 class Part(NamedTuple):
@@ -33,8 +40,9 @@ def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) ->
     has one, or before the next solution with its id, else at the end.
     """
     given = [cell for cell in published if cell.is_given]
-    parts = [part for at, cell in enumerate(cells) for part in _parts(at, cell, given)]
-    taken = [_taken(cells, part) for part in parts]
+    lines = [_lines(cell.source) for cell in cells]
+    parts = _all_parts(lines, given)
+    taken = [_taken(cells[part.of], lines[part.of], part) for part in parts]
     copies = _copies(taken, given)
     last = {copy: at for at, copy in copies.items()}
     places = {cell.id: place for place, cell in enumerate(published) if cell.id}
@@ -46,7 +54,7 @@ def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) ->
     merged, own = list[Cell](), list[Part]()
 
     def run(those: Sequence[int]) -> None:
-        merged.extend(_taken(cells, part) for part in own)
+        merged.extend(_taken(cells[part.of], lines[part.of], part) for part in own)
         own.clear()
         merged.extend(_cell(published[place]) for place in those)
         for place in those:
@@ -72,30 +80,40 @@ def with_published(cells: Sequence[Cell], published: Sequence[PublishedCell]) ->
     return tuple(merged)
 
 
-def _parts(at: int, cell: Cell, given: Sequence[PublishedCell]) -> Iterator[Part]:
-    """Yield a student's cell in parts: one for each validation cell whose text it contains, and for each cell
-    of a Python file.
+def _all_parts(lines: Sequence[list[str]], given: Sequence[PublishedCell]) -> list[Part]:
+    """Return the parts of all cells, at most MOST_PARTS besides the cells themselves."""
+    validations = [_lines(one.source.strip()) for one in given if one.is_validation]
+    validations.sort(key=lambda one: sum(map(len, one)), reverse=True)
+    found = list[Part]()
+    for at, of_cell in enumerate(lines):
+        parts = list(_parts(at, of_cell, validations))
+        padded = sum(part.first for part in parts) <= MOST_PADDING // len(lines)
+        split = padded and len(found) + len(parts) <= MOST_PARTS + at + 1
+        found += parts if split else [Part(at, 0, len(of_cell))]
+    return found
+
+
+def _parts(at: int, lines: list[str], validations: Sequence[list[str]]) -> Iterator[Part]:
+    """Yield a student's cell in parts: one for each validation cell whose lines it contains, and for each
+    cell of a Python file.
     """
-    lines = _lines(cell.source)
-    text, bounds, covered = "\n" + "\n".join(lines) + "\n", {0, len(lines)}, list[tuple[int, int]]()
-    for one in sorted((_text(one.source) for one in given if one.is_validation), key=len, reverse=True):
-        begin = text.find(f"\n{one}\n")
-        while begin >= 0 and len(covered) < MOST_PIECES:
-            first = text.count("\n", 0, begin)
-            end = first + one.count("\n") + 1
-            if all(end <= other or after <= first for other, after in covered):
-                covered.append((first, end))
+    places, covered, bounds = defaultdict[str, list[int]](list), bytearray(len(lines)), {0, len(lines)}
+    for number, line in enumerate(lines):
+        places[line].append(number)
+    for one in validations:
+        for first in places.get(one[0], ()):
+            end = first + len(one)
+            if len(bounds) < MOST_PIECES and lines[first:end] == one and not any(covered[first:end]):
+                covered[first:end] = bytes([1]) * len(one)
                 bounds |= {first, end}
-            begin = text.find(f"\n{one}\n", begin + 1)
-    marks = {number for number, line in enumerate(lines) if MARK.match(line)}
+    marks = [number for number, line in enumerate(lines) if MARK.match(line) and not covered[number]]
     if len(marks) < MOST_PIECES:
-        bounds |= {number for number in marks if not any(first < number < end for first, end in covered)}
+        bounds |= set(marks)
     yield from (Part(at, *pair) for pair in pairwise(sorted(bounds)))
 
 
-def _taken(cells: Sequence[Cell], part: Part) -> Cell:
-    """Return a part as a cell, whose lines have the numbers that they have in the student's."""
-    whole, lines = cells[part.of], _lines(cells[part.of].source)
+def _taken(whole: Cell, lines: list[str], part: Part) -> Cell:
+    """Return a part of a cell as one, whose lines have the numbers that they have in the ``whole``."""
     if (part.first, part.end) == (0, len(lines)):
         return whole
     return Cell(whole.name, "\n" * part.first + "\n".join(lines[part.first : part.end]))
@@ -112,26 +130,45 @@ def _copies(cells: Sequence[Cell], given: Sequence[PublishedCell]) -> dict[int, 
             alike[text].append(at)
     for text, places in alike.items():
         same = by_text[text]
-        found |= {at: by_id[cells[at].id] for at in places if by_id.get(cells[at].id) in same}
-        left = [one for one in same if one not in found.values()]
-        others = [at for at in places if at not in found]
-        found |= dict(zip(reversed(others), reversed(left), strict=False))
-        found |= {at: same[0] for at in others if at not in found}
+        with_id = {at: by_id[cells[at].id] for at in places if by_id.get(cells[at].id) in same}
+        left = [one for one in same if one not in with_id.values()]
+        others = [at for at in places if at not in with_id]
+        in_order = dict(zip(reversed(others), reversed(left), strict=False))
+        found |= with_id | in_order | {at: same[0] for at in others if at not in in_order}
     found |= {at: by_id[cell.id] for at, cell in enumerate(cells) if at not in found and cell.id in by_id}
-    left = [one for one in given if one not in found.values()]
+    return dict(sorted((found | _edited(cells, given, found)).items()))
+
+
+def _edited(
+    cells: Sequence[Cell], given: Sequence[PublishedCell], found: dict[int, PublishedCell]
+) -> dict[int, PublishedCell]:
+    """Return the published cells of edited copies: of each that is not ``found`` the most similar one."""
+    known = set(found.values())
+    left = [(one, _pairs(one.source)) for one in given if one not in known]
+    edited = dict[int, PublishedCell]()
     for at, cell in enumerate(cells):
-        if at not in found and left:
-            ratios = [_ratio(_text(cell.source), _text(one.source)) for one in left]
-            if max(ratios) >= ALIKE:
-                found[at] = left.pop(ratios.index(max(ratios)))
-    return dict(sorted(found.items()))
+        if at in found or not left:
+            continue
+        own = _pairs(cell.source)
+        likeness = [_likeness(own, theirs) for _, theirs in left]
+        if max(likeness) >= ALIKE:
+            edited[at], _ = left.pop(likeness.index(max(likeness)))
+    return edited
 
 
-def _ratio(text: str, published: str) -> float:
-    """Return how alike two texts are, or 0 if the cheap upper bounds show that they are not."""
-    matcher = difflib.SequenceMatcher(None, text, published)
-    bounds = (matcher.real_quick_ratio, matcher.quick_ratio)
-    return matcher.ratio() if all(bound() >= ALIKE for bound in bounds) else 0.0
+def _pairs(source: str) -> Counter[tuple[str, str]]:
+    """Count the pairs of words and signs that follow each other in a text."""
+    return Counter(pairwise(["", *WORD.findall(source), ""]))
+
+
+def _likeness(one: Counter[tuple[str, str]], other: Counter[tuple[str, str]]) -> float:
+    """Return the share of the pairs of two texts that both have, from 0 to 1, or 0 if their lengths show that
+    it is too small.
+    """
+    both = one.total() + other.total()
+    if 2 * min(one.total(), other.total()) < ALIKE * both:
+        return 0.0
+    return 2 * sum(min(count, one[pair]) for pair, count in other.items() if pair in one) / both
 
 
 def _lines(source: str) -> list[str]:

@@ -121,5 +121,9 @@ class SystemFault(Exception):
     """The submission could not be graded because polhode or a course author failed. Never a verdict."""
 
 
+class TooBusy(SystemFault):
+    """Other programs used the processors that the submission waited for."""
+
+
 class NotPrepared(SystemFault):
     """The assignment's Setup or plays.py failed before the submission ran."""

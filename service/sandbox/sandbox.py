@@ -10,7 +10,7 @@ from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import ROOT_ALLOWED, Identity
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
-from service.sandbox.result import CODES, Cancelled, OnScene, PlayResult, SystemFault, ignore
+from service.sandbox.result import CODES, Cancelled, OnScene, PlayResult, SystemFault, TooBusy, ignore
 from service.sandbox.self_test_job import self_test_job
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import LibraryNeeded, Zygote, ZygoteLost
@@ -199,8 +199,8 @@ def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget) -> bool:
     return in_scene or (budget.delayed and bool(budgets))
 
 
-def _too_busy(budget: TimeBudget) -> SystemFault:
-    return SystemFault(
+def _too_busy(budget: TimeBudget) -> TooBusy:
+    return TooBusy(
         f"this machine was too busy: of {budget.running_s:.0f} s, the submission waited {budget.waited_s:.0f}"
         " s for a processor; run fewer other programs on it, or fewer workers"
     )

@@ -19,7 +19,7 @@ from service.sandbox.guest.wire import CLOCK_FACTOR, MALFORMED
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
-from service.sandbox.time_budget import ProcessorWait, TimeBudget
+from service.sandbox.time_budget import ProcessorTimes, TimeBudget
 from service.sandbox.untrusted_text import text
 from service.sandbox.wire import ProtocolError, Reader
 
@@ -28,7 +28,7 @@ LOAD_FACTOR = 2  # the host waits this many times as long as the guest has for l
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
-POLL_S = 0.2  # interval at which a cancellation is noticed
+POLL_S = 0.2  # interval at which a cancellation is noticed and the child's times are read
 
 
 class ChildExit(NamedTuple):
@@ -61,7 +61,7 @@ class PlaySession:
     ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes,
     unbuffered, are ``job_pipe``, which does not block, ``answers``, which are frames, and ``printed``.
     ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is
-    known, and ``waited`` the time that it had no processor. Another thread may set ``cancelled`` to end the
+    known, and ``times`` those that the kernel reports of it. Another thread may set ``cancelled`` to end the
     play.
     """
 
@@ -72,13 +72,14 @@ class PlaySession:
     job_pipe: FileIO
     answers: FileIO
     printed: FileIO
-    waited: ProcessorWait
+    times: ProcessorTimes
     cancelled: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
     stopped: Ended | None = None
     ended: ChildExit | None = None
     _received: int = 0
     _printed: int = 0
+    _times_read: float = 0.0
 
     def run(self) -> None:
         """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded.
@@ -96,7 +97,7 @@ class PlaySession:
                 while self._is_running():
                     self._step()
             finally:
-                self.waited.update()
+                self.times.update()
 
     def _is_running(self) -> bool:
         going_on = self.stopped is None and not self.cancelled.is_set()
@@ -107,8 +108,9 @@ class PlaySession:
         ready = self._selector.select(
             min(POLL_S, self._deadline.left(self.reader.started), self.budget.wall_left())
         )
-        if not ready:
-            self.waited.update()
+        if (now := time.monotonic()) - self._times_read >= POLL_S:
+            self._times_read = now
+            self.times.update()
         if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
@@ -204,6 +206,11 @@ class PlaySession:
         if self._printed > MOST_OUTPUT or self._received > MOST_RESULT:
             self.stopped = Ended.OUTPUT
         return bool(data)
+
+    @property
+    def cpu_s(self) -> float:
+        """The CPU time that the child used, as far as it is known."""
+        return self.times.cpu_s if self.ended is None else self.ended.cpu_s
 
     @property
     def abnormal(self) -> bool:

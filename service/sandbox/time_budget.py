@@ -6,6 +6,7 @@ import contextlib
 import re
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,7 +35,8 @@ DEFAULT_LIMITS = TimeLimits()
 
 
 class TimeBudget:
-    """The budget of one grading, which starts now. Each process in the sandbox is charged to it when it ends.
+    """The budget of one grading, which starts now. Each process in the sandbox is charged to it when it ends,
+    however it ends, and so is what the host does in proportion to the submission.
 
     ``waited_s`` of the ``running_s`` seconds that the processes existed, they were ready to run and had no
     processor.
@@ -53,10 +55,14 @@ class TimeBudget:
             self.waited_s += waited_s
             self.running_s += running_s
 
-    def extend(self, wall_s: float) -> None:
-        """Add elapsed time that the submission has not used."""
-        with self._lock:
-            self._until += wall_s
+    @contextlib.contextmanager
+    def charged(self) -> Iterator[None]:
+        """Charge the CPU time that this thread uses in the ``with`` block."""
+        began = time.thread_time()
+        try:
+            yield
+        finally:
+            self.charge(time.thread_time() - began, 0.0, 0.0)
 
     def cpu_left(self) -> float:
         """Return the seconds of CPU time that are left."""
@@ -91,38 +97,47 @@ class TimeBudget:
         return self.waited_s > self.running_s / 2
 
 
-class ProcessorWait:
-    """The time, from now on, that processes, given by their ``pidfds``, were ready to run and had no
-    processor, see ``processor_wait``.
+class ProcessorTimes:
+    """The times, from now on, of processes that are given by their ``pidfds``, as the kernel reports them
+    while they run, see ``processor_times``.
     """
 
     def __init__(self, *pidfds: int) -> None:
-        self._seconds: dict[int, float] = {}
+        self._times: dict[int, tuple[float, float]] = {}
         for pidfd in pidfds:
             if found := re.search(
                 r"^Pid:\s*(\d+)$", Path(f"/proc/self/fdinfo/{pidfd}").read_text(), re.MULTILINE
             ):
-                self._seconds[int(found[1])] = processor_wait(int(found[1]))
-        self._before = sum(self._seconds.values())
+                self._times[int(found[1])] = processor_times(int(found[1]))
+        self._before = self._sums()
 
     @property
-    def seconds(self) -> float:
-        """The time of all processes together at the last update."""
-        return sum(self._seconds.values()) - self._before
+    def cpu_s(self) -> float:
+        """The CPU time of all processes together at the last update."""
+        return self._sums()[0] - self._before[0]
+
+    @property
+    def waited_s(self) -> float:
+        """The time that they were ready to run and had no processor, together at the last update."""
+        return self._sums()[1] - self._before[1]
 
     def update(self) -> None:
-        """Read the time. That of a process stays as it was once it has been reaped."""
-        for pid, seconds in self._seconds.items():
-            self._seconds[pid] = max(seconds, processor_wait(pid))
+        """Read the times. Those of a process stay as they were once it has been reaped."""
+        for pid, before in self._times.items():
+            self._times[pid] = max(before, processor_times(pid))
+
+    def _sums(self) -> tuple[float, float]:
+        return sum(cpu for cpu, _ in self._times.values()), sum(waited for _, waited in self._times.values())
 
 
-def processor_wait(pid: int) -> float:
-    """Return the seconds that a process was ready to run and had no processor.
+def processor_times(pid: int) -> tuple[float, float]:
+    """Return the seconds that a process has run, and those that it was ready to run and had no processor.
 
-    Source: the second number of /proc/PID/schedstat (Linux, Documentation/scheduler/sched-stats.rst). Zero
-    where the kernel does not report it, or the process has ended: then a process without a processor looks
-    like one that sleeps.
+    Source: the first two numbers of /proc/PID/schedstat (Linux, Documentation/scheduler/sched-stats.rst).
+    Zeros where the kernel does not report them, or the process has ended: then a process without a processor
+    looks like one that sleeps.
     """
-    with contextlib.suppress(OSError, ValueError, IndexError):
-        return int(Path(f"/proc/{pid}/schedstat").read_text().split()[1]) / 1e9
-    return 0.0
+    with contextlib.suppress(OSError, ValueError):
+        running, waiting, _ = Path(f"/proc/{pid}/schedstat").read_text().split()
+        return int(running) / 1e9, int(waiting) / 1e9
+    return 0.0, 0.0

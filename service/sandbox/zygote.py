@@ -31,7 +31,7 @@ from service.sandbox.identity import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.session import ChildExit, PlaySession
-from service.sandbox.time_budget import ProcessorWait, TimeBudget, processor_wait
+from service.sandbox.time_budget import ProcessorTimes, TimeBudget, processor_times
 from service.sandbox.untrusted_text import text
 from service.sandbox.wire import Reader
 
@@ -126,7 +126,7 @@ class Zygote:
             try:
                 return self._control.recv(4096)
             except TimeoutError:
-                before, waited = waited, sum(map(processor_wait, _with_children(self._started.process.pid)))
+                before, waited = waited, _waited(self._started.process.pid)
                 if waited - before < START_S / 2:
                     break
             except OSError:
@@ -141,7 +141,9 @@ class Zygote:
         LibraryNeeded, or ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
-        if job.notebook and IPYTHON not in self.imported:
+        with budget.charged():
+            is_interactive = job.notebook  # of a Python file, this takes as long as parsing it
+        if is_interactive and IPYTHON not in self.imported:
             self.import_library(IPYTHON)
         if KINDS_MODULE in job.plays and "kinds" not in self.imported:
             self.import_library("kinds")
@@ -174,7 +176,7 @@ class Zygote:
     def _play(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         """Play ``job`` in a child that ``_start`` has started."""
         pidfds = self._pidfds(1 if job.reference is None else 2)
-        began, waited = time.monotonic(), ProcessorWait(*pidfds)
+        began, times = time.monotonic(), ProcessorTimes(*pidfds)
         session = PlaySession(
             job,
             budget,
@@ -183,37 +185,27 @@ class Zygote:
             child.job_pipe,
             child.answers,
             child.printed,
-            waited,
+            times,
             self._cancelled,
         )
         try:
             session.run()
+            _kill(pidfds[0])
+            session.ended = ended = session.ended or ChildExit.unpack(self._control.recv(REAPED.size))
         except OSError as error:
             raise ZygoteLost(f"the sandbox process was lost: {error}") from error
         finally:
-            with contextlib.suppress(ProcessLookupError):
-                signal.pidfd_send_signal(pidfds[0], signal.SIGKILL)  # no child of this job survives it
+            _kill(pidfds[0])  # no child of this job survives it
             _close(*pidfds)
-        session.ended = ended = session.ended or self._read_exit()
-        if needed := [n for n, code in NEEDED.items() if n not in self.imported and code in ended.codes]:
-            budget.extend(
-                time.monotonic() - began
-            )  # this guest lacks the library: its time is not the submission's
-            raise LibraryNeeded(needed[0])
+            budget.charge(session.cpu_s, times.waited_s, time.monotonic() - began)
         reader.result.cpu_s = ended.cpu_s
-        budget.charge(ended.cpu_s, waited.seconds, time.monotonic() - began)
+        if needed := [n for n, code in NEEDED.items() if n not in self.imported and code in ended.codes]:
+            raise LibraryNeeded(needed[0])
         if self._cancelled.is_set():
             raise Cancelled
         reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
         session.record_end(reader.result)
         return not session.abnormal
-
-    def _read_exit(self) -> ChildExit:
-        """Wait for the message that the child has exited. Raises ZygoteLost."""
-        try:
-            return ChildExit.unpack(self._control.recv(REAPED.size))
-        except OSError as error:
-            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
 
     @contextlib.contextmanager
     def _data_files(self, job: Job) -> Iterator[None]:
@@ -273,6 +265,11 @@ def _with_children(pid: int) -> list[int]:
     return [pid, *(one for child in children for one in _with_children(int(child)))]
 
 
+def _waited(pid: int) -> float:
+    """Return the seconds that a process and all that it started waited for a processor."""
+    return sum(processor_times(one)[1] for one in _with_children(pid))
+
+
 def _file(content: bytes) -> int:
     """Return a descriptor of a file in memory, to read from its beginning."""
     fd = os.memfd_create("job")
@@ -280,6 +277,11 @@ def _file(content: bytes) -> int:
         file.write(content)
     os.lseek(fd, 0, os.SEEK_SET)
     return fd
+
+
+def _kill(pidfd: int) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        signal.pidfd_send_signal(pidfd, signal.SIGKILL)
 
 
 def _close(*fds: int) -> None:

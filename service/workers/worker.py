@@ -36,7 +36,9 @@ HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping r
 REGISTER_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
 RELEASE_S = 3.0
 PATIENCE_S = 3600.0  # a finished result is kept for an hour of database outage
-HOST_S = 60.0  # of a job outside the sandbox: judging, drawing, replacing guests
+# Of a job outside the sandbox: starting guests, judging, drawing. The sandbox ends every play by its own
+# limits, so only an error of polhode's or an assignment's own code can take longer.
+HOST_S = 60.0
 
 
 class Worker:
@@ -53,9 +55,6 @@ class Worker:
             min(LONGEST_ROUND_S, settings.lease / ROUNDS),
         )
         self._limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
-        self._longest_s = HOST_S + max(
-            self._limits.at_least(known.cpu_s).wall_s for known in assignments().values()
-        )
         self._grader: Grader | None = None
         self._thread = ThreadPoolExecutor(1)
         self._clock = workers.ClockWatch()
@@ -114,7 +113,7 @@ class Worker:
                 )
                 packages = sorted({name for known in assignments().values() for name in known.packages})
                 self._grader = Grader(Sandbox(with_packages(isolation, packages), self._limits))
-                await self._call(self._grader.ready)
+                await self._call(self._grader.ready, within=self._limits.wall_s)
                 self._isolation = isolation.name
                 return True
             except (IsolationUnavailable, SystemFault) as reason:
@@ -161,6 +160,7 @@ class Worker:
             report, artefacts = await self._call(
                 self._grader.grade_and_pack,
                 claimed.submission, claimed.assignment, claimed.seed, self._set_progress,
+                within=self._grader.longest_s(claimed.assignment),
             )  # fmt: skip
             first = await patiently(
                 partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S
@@ -194,7 +194,10 @@ class Worker:
         """
         try:
             assert self._grader is not None
-            document, chart = await self._call(self._grader.sweep_and_draw, job.submission, job.assignment)
+            document, chart = await self._call(
+                self._grader.sweep_and_draw, job.submission, job.assignment,
+                within=self._grader.longest_s(job.assignment),
+            )  # fmt: skip
         except SweepFailed as reason:
             return {sweeps.REFUSED: str(reason).encode()}
         except Exception as error:
@@ -258,12 +261,15 @@ class Worker:
                     runs.release(self._database, self._claimed, end_reason, note), RELEASE_S
                 )
 
-    async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
-        """Run in the grading thread. A thread that hangs can only be ended with its process."""
+    async def _call(self, function: Callable[..., Any], *args: Any, within: float) -> Any:
+        """Run in the grading thread, which may use the sandbox for ``within`` seconds. A thread that hangs
+        can only be ended with its process.
+        """
+        longest_s = within + HOST_S
         work = asyncio.get_running_loop().run_in_executor(self._thread, function, *args)
-        await asyncio.wait([work], timeout=self._longest_s)
+        await asyncio.wait([work], timeout=longest_s)
         if not work.done():
-            sentence = f"{function.__name__} did not return within {self._longest_s:g} s: this worker stops"
+            sentence = f"{function.__name__} did not return within {longest_s:g} s: this worker stops"
             log.critical(sentence)
             await self._release("failed", sentence)
             os._exit(1)

@@ -84,16 +84,22 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The likely cause of a ✗: a stable code, a sentence for the student, and the confidence (0 to 1)."""
+    """The likely cause of a ✗: a stable code, a sentence for the student, and the confidence (0 to 1).
+
+    ``scenes`` are those whose results show it. A server adds them: before it releases the details of hidden
+    checks, it shows no cause that needs a hidden scene.
+    """
 
     code: str
     sentence: str
     confidence: float
+    scenes: tuple[str, ...] = ()
 
 
 @dataclass(kw_only=True)
 class Outcome:
-    """The outcome of one check. ``cause`` says why nothing was measured; ``margin`` is allowed / measured.
+    """The outcome of one check. ``cause`` says why nothing was measured, and ``cause_scene`` which scene
+    ended so, if one with random inputs did; ``margin`` is allowed / measured.
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
@@ -113,6 +119,7 @@ class Outcome:
     margin: float | None = None
     where: str | None = None
     cause: str | None = None
+    cause_scene: str | None = None
     diagnosis: list[Diagnosis] = field(default_factory=list)
     hints: list[str] = field(default_factory=list)
     hidden: bool = False

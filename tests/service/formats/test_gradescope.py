@@ -11,7 +11,7 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from ecp.judge import RowsRight
-from ecp.outcome import Picture
+from ecp.outcome import Diagnosis, Picture
 from service.formats.check_text import NoVerdict
 from service.formats.gradescope import MOST_PICTURES, VISIBILITIES, document
 from tests.support.reports import example, graded_file, outcome, report
@@ -84,6 +84,15 @@ def test_a_report(rigid_body):
 def test_what_is_drawn_for_an_attempt_is_as_visible_as_one_asks_for(rigid_body, hidden):
     tests = told(rigid_body, graded_file(example()), hidden=hidden).tests
     assert [test.visibility for test in tests] == ["visible", hidden, "visible", "visible"]
+
+
+def test_a_visible_check_shows_no_cause_that_only_hidden_ones_show(rigid_body):
+    hidden = next(scene.name for scene in rigid_body.scenes if callable(scene.inputs))
+    secret = Diagnosis("partly-right", "right only where I₁ < I₂", 1.0, (hidden,))
+    file = graded_file(report([outcome("2-energy", "fail", diagnosis=[secret])]))
+    for visibility in VISIBILITIES:
+        shown = told(rigid_body, file, hidden=visibility).model_dump_json()
+        assert ("I₁ < I₂" in shown) == ("partly-right" in shown) == (visibility == "visible")
 
 
 def test_other_visibilities_there_are_none(rigid_body):

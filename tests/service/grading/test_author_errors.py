@@ -11,7 +11,7 @@ from ecp.outcome import Ended
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.result import SystemFault
+from service.sandbox.result import SystemFault, ignore
 from tests.support.assignments import change, known
 
 FILES = {
@@ -330,3 +330,29 @@ def test_an_error_in_a_declaration_of_one_file_is_a_fault_with_its_line(
     with known(tmp_path / "halving") as catalogue, pytest.raises(SystemFault) as fault:
         grade(Submission(source or "def half(x): return x / 2"), catalogue.valid["halving"], sandbox, 1)
     assert str(fault.value).startswith(f"assignment halving has an error: {message}"), fault.value
+
+
+def test_what_a_submission_says_of_the_authors_code_is_checked_within_its_own_time(
+    folder, sandbox, monkeypatch
+):
+    """The right submission is played for each scene whose error the child attributes to the author."""
+    forged = """
+import json, os, struct
+def J(**event):
+    data = json.dumps(event).encode(); os.write(4, struct.pack("<cI", b"J", len(data)) + data)
+def forge():
+    J(event="defined", names=["double"], missing=[])
+    J(event="start", scene="points")
+    J(event="scene", scene="points", ended="raised", sentence="x", author="plays.py line 6: KeyError: 'y'")
+    J(event="done")
+    os._exit(0)
+forge()
+"""
+    budgets, play = [], sandbox.play
+    monkeypatch.setattr(
+        sandbox,
+        "play",
+        lambda job, on_scene=ignore, budget=None: budgets.append(budget) or play(job, on_scene, budget),
+    )
+    report = graded(folder, sandbox, forged).report
+    assert not report.passed and len(budgets) == 2 and budgets[0] is budgets[1]

@@ -5,13 +5,15 @@ from dataclasses import replace
 import pytest
 
 from ecp.document import document
-from service.grading import rendering
+from service.grading import grader, rendering
 from service.grading.charts import draw_work_precision, load_work_precision
 from service.grading.grader import Grader, SweepFailed
+from service.grading.reproduction import LIMITS
 from service.grading.submission import Submission
 from service.sandbox.isolation import process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
+from service.sandbox.time_budget import TimeLimits
 
 RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
 
@@ -49,6 +51,14 @@ def test_the_chart_shows_yours_over_the_others(swept):
 def test_wrong_equations_reach_nothing(rigid_body, sandbox):
     wrong = Submission(RIGHT + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    return -right(t, w, I)\n")
     assert "no solver reaches an error of 1e-08" in Grader(sandbox).sweep(wrong, rigid_body).line
+
+
+def test_an_assignment_with_a_long_budget_does_not_lengthen_the_deadline_of_others(rigid_body, monkeypatch):
+    known = {"rigid-body": rigid_body, "long": replace(rigid_body, slug="long", cpu_s=1000.0)}
+    monkeypatch.setattr(grader, "find_assignment", known.__getitem__)
+    longest_s = Grader(Sandbox(process_isolation(), TimeLimits(60.0, 120.0))).longest_s
+    assert longest_s("rigid-body") == 120.0 + LIMITS.wall_s
+    assert longest_s("long") == 2000.0 + LIMITS.wall_s
 
 
 @pytest.mark.parametrize(

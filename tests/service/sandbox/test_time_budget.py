@@ -4,6 +4,7 @@ reason for a verdict.
 
 import contextlib
 import os
+import signal
 import subprocess
 import threading
 import time
@@ -94,6 +95,21 @@ def test_what_finished_before_the_limit_is_kept(sandbox):
     )
     seen = play(sandbox, source, wall_s=1.0)
     assert [name for name in seen.scene_ends if seen.finished(name)] == ["s0", "s1"]
+
+
+@BY_THE_HOST
+def test_a_child_whose_zygote_is_lost_is_charged(either_sandbox):
+    """Its exit is not reported, so the kernel's account while it ran counts."""
+    either_sandbox.wait_ready()
+    budget, end = (
+        TimeBudget(TimeLimits()),
+        threading.Timer(1.2, os.kill, (zygote_pid(either_sandbox), signal.SIGKILL)),
+    )
+    end.start()
+    source = "import time\ndef f(x):\n    while time.process_time() < 2.5: pass\n    return [x, x]"
+    seen = either_sandbox.play(job(source, scene("one", budget_s=4.0)), budget=budget)
+    end.join()
+    assert seen.finished("one") and budget.cpu_s > 2.5 + 0.5
 
 
 @pytest.mark.slow
@@ -225,3 +241,12 @@ def test_inputs_that_take_long_to_draw_do_not_use_up_the_submissions_time(rigid_
         ["2"],
     ).report
     assert report.passed, report.text()
+
+
+def test_what_the_host_computes_for_a_submission_can_be_charged():
+    budget = TimeBudget(TimeLimits())
+    with budget.charged():
+        until = time.thread_time() + 0.05
+        while time.thread_time() < until:
+            pass
+    assert 0.05 <= budget.cpu_s < 0.5

@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import os
 import time
-from dataclasses import replace
 
 import pytest
 
@@ -80,26 +79,16 @@ def test_a_worker_whose_grading_hangs_gives_it_back_and_ends(database_url, waiti
 
     async def hung(database):
         async with worker_on(database_url, Grader(sandbox)) as one:
-            one._longest_s = 0.3
             with pytest.raises(Left):
                 await one._grade(str(waiting))
 
     monkeypatch.setattr(os, "_exit", leave)
+    monkeypatch.setattr(worker, "HOST_S", 0.3)
+    monkeypatch.setattr(Grader, "longest_s", lambda self, slug: 0.0)
     run(database_url, hung)
     ((end_reason, _, note),) = sql(database_url, RUNS, waiting)
     assert end_reason == "failed" and note == "grade_and_pack did not return within 0.3 s: this worker stops"
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)]
-
-
-@pytest.mark.parametrize(("declared", "longest"), [(None, 180.0), (100.0, 260.0)])
-def test_a_worker_waits_longer_than_the_longest_grading(declared, longest, rigid_body, monkeypatch):
-    monkeypatch.setattr(worker, "assignments", lambda: {"rigid-body": replace(rigid_body, cpu_s=declared)})
-
-    async def wait():
-        async with worker_on("postgresql://nobody@127.0.0.1:1/none") as one:
-            return one._longest_s
-
-    assert asyncio.run(wait()) == longest
 
 
 def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(

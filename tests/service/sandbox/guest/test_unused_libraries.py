@@ -2,6 +2,7 @@
 has imported them.
 """
 
+import time
 from dataclasses import replace
 
 import pytest
@@ -212,11 +213,26 @@ def test_only_a_notebook_is_graded_with_ipython(later, name, imported):
     assert later.start().imported == ({"ipython"} if imported else frozenset())
 
 
-def test_the_time_in_a_guest_without_the_library_is_not_the_submissions(later):
+COMPUTE = "import os, time\nbegun = time.process_time()\nwhile time.process_time() < begun + 0.5: pass\n"
+
+
+@pytest.mark.parametrize("uses", ["float(quad(abs, 0.0, 1.0)[0])", "os._exit(95)"])
+def test_the_time_in_a_guest_without_the_library_is_the_submissions_too(later, uses):
+    """The exit code that asks for a library is a submission's own word."""
     budget = TimeBudget(TimeLimits(60.0, 120.0))
-    slow = "import time\nbegun = time.process_time()\nwhile time.process_time() < begun + 0.5: pass\n"
-    result = later.play(job(f"{slow}f = lambda: float(quad(abs, 0.0, 1.0)[0])"), budget=budget)
-    assert result.finished("one") and 0.5 < budget.cpu_s < 0.95
+    result = later.play(job(f"{COMPUTE}f = lambda: {uses}"), budget=budget)
+    assert result.scene_ends["one"].ended is (Ended.FINISHED if "quad" in uses else Ended.EXITED)
+    assert budget.cpu_s > 2 * 0.5
+
+
+def test_an_exit_code_that_asks_for_a_library_does_not_extend_the_elapsed_time(later):
+    budget = TimeBudget(TimeLimits(60.0, 2.0))
+    began = time.monotonic()
+    sleeps = "import os, time\ntime.sleep(1.5)\nf = lambda: os._exit(95)"
+    result = later.play(job(sleeps), budget=budget)
+    assert result.scene_ends["one"].ended is Ended.TIMED_OUT
+    assert result.scene_ends["one"].sentence == "your submission did not finish within 2 s in all"
+    assert time.monotonic() - began < 8.0
 
 
 @pytest.mark.parametrize("guest", ["later", "sandbox"])

@@ -96,6 +96,14 @@ class Family:
     over: tuple[str, ...]
     given: Mapping[str, Draw | Asked]
 
+    @property
+    def takes_functions(self) -> bool:
+        """Whether the expression calls one of its variables."""
+        calls = [
+            node.func for node in ast.walk(ast.parse(self.text, mode="eval")) if isinstance(node, ast.Call)
+        ]
+        return any(isinstance(one, ast.Name) and one.id in self.over for one in calls)
+
 
 Ask = Annotated[Mapping[str, Family | Draw | Asked], Rule("a dict of arguments by name", lambda ask: True)]
 

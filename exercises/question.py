@@ -185,6 +185,7 @@ class Question:
                 name: np.asarray(value).tolist() for name, value in self._given.items() if not callable(value)
             },
             "families": families,
+            "apart": self._apart,
             "variables": list(self.variables),
             "drawn": list(self.drawn),
             "call": self.call,
@@ -198,6 +199,26 @@ class Question:
             **({"uses": [earlier.__name__ for earlier in self.uses]} if self.uses else {}),
             **self.data,
         }
+
+    @functools.cached_property
+    def _apart(self) -> list[str]:
+        """The function arguments that must not be in the submission's process: those whose calls are counted,
+        and those with numbers from which a truth is computed.
+
+        An expression is called with symbols and so shows its numbers. A function that takes functions is
+        called many times, and each call would pass between the processes several times; its numbers save a
+        submission no call of it.
+        """
+        families = {name: value for name, value in self.ask.items() if isinstance(value, Family)}
+        if self.data.get("calls"):
+            return list(families)
+        exact = [one for one in (self.truth, *self.known.values()) if inspect.isroutine(one)]
+        used = {name for one in exact for name in inspect.signature(one).parameters}
+        return [
+            name
+            for name, family in families.items()
+            if self.kind != "expression" and used.intersection(family.given) and not family.takes_functions
+        ]
 
     @functools.cached_property
     @_located

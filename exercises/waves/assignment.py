@@ -60,9 +60,10 @@ budget = Tolerance(
 )
 waves = values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong)
 text = "c * arctan(s * (x - a - p * l) / l) if 0 <= x - a <= 1.000001 * l else np.nan"
-steep = family(text, "x", "a", "l", "p", s=uniform(20, 100), c=with_ends(1e-3, 1e3, log=True))
-ask = {"steep": steep, "a": uniform(-200, 200), "l": uniform(5, 100), "p": uniform(0.1, 0.9)}
-call = "find_root(lambda x: steep(x, a, l, p), a, a + l, 1e-10)"
+given = {"s": uniform(20, 100), "c": with_ends(1e-3, 1e3, log=True), "p": uniform(0.1, 0.9)}
+steep = family(text, "x", "a", "l", **given)
+ask = {"steep": steep, "a": uniform(-200, 200), "l": uniform(5, 100)}
+call = "find_root(lambda x: steep(x, a, l), a, a + l, 1e-10)"
 asked = {"calls": budget, "call": call, "label": "find_root is right for steep functions and other intervals"}
 steep = values(find_root, ask, twice, truth=lambda a, l, p: a + p * l, **asked)
 notebook.exercise("1", "A root finder", waves, steep)

@@ -11,7 +11,7 @@ from ecp.checks import Arrays
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.published import with_published
 from service.grading.submission import Submission
-from service.sandbox.job import Job, SceneRequest
+from service.sandbox.job import FunctionsApart, Job, SceneRequest
 
 
 def draw_inputs(scene: Scene, seed: int) -> Inputs:
@@ -33,20 +33,7 @@ def job_of(
     inputs: Mapping[str, Inputs],
 ) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
-    requests = tuple(
-        SceneRequest(
-            s.name,
-            s.play,
-            s.function,
-            {name: value for name, value in inputs[s.name].items() if name not in s.withheld},
-            s.returns,
-            s.budget_s,
-            s.after,
-            question=None if s.question is None else dict(s.question),
-            needs=s.needs,
-        )
-        for s in scenes
-    )
+    requests = tuple(_request(scene, inputs[scene.name]) for scene in scenes)
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
     cells = (
@@ -56,6 +43,38 @@ def job_of(
     )
     job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
+
+
+def _request(scene: Scene, inputs: Inputs) -> SceneRequest:
+    apart = _functions_apart(scene, inputs)
+    kept = {*scene.withheld, *(apart.inputs if apart else ())}
+    return SceneRequest(
+        scene.name,
+        scene.play,
+        scene.function,
+        {name: value for name, value in inputs.items() if name not in kept},
+        scene.returns,
+        scene.budget_s,
+        scene.after,
+        question=None if scene.question is None else dict(scene.question),
+        needs=scene.needs,
+        apart=apart,
+    )
+
+
+def _functions_apart(scene: Scene, inputs: Inputs) -> FunctionsApart | None:
+    """Return the functions that the scene of a question passes to the submission, if they must not be in its
+    process.
+    """
+    question = scene.question
+    if question is None or question.get("part") or not question.get("apart"):
+        return None
+    families = {name: question["families"][name] for name in question["apart"]}
+    rows = len(next(iter(inputs.values()), [()]))
+    constants = {name: [value] * rows for name, value in question["constants"].items()}
+    known = {name for family in families.values() for name in family["given"]}
+    values = {name: column for name, column in (constants | dict(inputs)).items() if name in known}
+    return FunctionsApart(families, values, rows)
 
 
 @functools.cache

@@ -116,7 +116,7 @@ def play_variants(
     all within ``budget``. Return the arrays of those that finish it in time.
     """
     (request,) = (request for request in job.scenes if request.name == scene)
-    one = replace(request, budget_s=budget_s, after=None)
+    one = replace(request.together, budget_s=budget_s, after=None)
     requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(variants))
     found = sandbox.play(
         replace(job, cells=(), functions=(), variables=(), scenes=requests), budget=budget

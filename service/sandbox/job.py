@@ -6,17 +6,18 @@ import functools
 import json
 import marshal
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ecp.outcome import SceneEnd
 from exercises.assignment import ArraySpec
 from service.sandbox.guest.place import Place
-from service.sandbox.guest.wire import BYTES, FILES, LENGTH, NUMBERS
+from service.sandbox.guest.wire import APART, BYTES, FILES, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
 SHORT = 20  # numbers that are sent as digits
@@ -41,11 +42,39 @@ class Cell:
 
 
 @dataclass(frozen=True)
+class FunctionsApart:
+    """Functions that a scene's rows pass to the submission and that another process answers and counts:
+    ``families`` by name, as in a question (ecp.kinds), and the ``inputs`` along the ``rows`` that only they
+    use.
+    """
+
+    families: Mapping[str, Mapping[str, Any]]
+    inputs: Mapping[str, Any]
+    rows: int
+
+    def listed(self, scene: str) -> Iterator[dict[str, Any]]:
+        """Yield each function as data, those of the first family first: its name for callers, its expression,
+        and the values of its row.
+        """
+        for name, family in self.families.items():
+            for row in range(self.rows):
+                given = {known: self.inputs[known][row] for known in family["given"]}
+                target = APART.format(scene=scene, name=name, row=row)
+                yield {"target": target, "text": family["text"], "over": family["over"], "given": given}
+
+    def most_calls(self, counts: Sequence[int]) -> NDArray[np.float64]:
+        """Return for each row the most calls of one of its functions; ``counts`` are in the order of the
+        list.
+        """
+        return np.reshape(counts, (len(self.families), self.rows)).max(axis=0).astype(float)
+
+
+@dataclass(frozen=True)
 class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
     ``question`` is that of the scene, if it has one (ecp.kinds). With ``source`` the scene runs that source,
-    after the setup, in place of the submission.
+    after the setup, in place of the submission. Functions ``apart`` are not made in its process.
     """
 
     name: str
@@ -58,6 +87,14 @@ class SceneRequest:
     needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
     source: str | None = None
+    apart: FunctionsApart | None = None
+
+    @property
+    def together(self) -> "SceneRequest":
+        """This scene with all functions made in the process that plays it, for code of our own."""
+        if self.apart is None:
+            return self
+        return replace(self, inputs={**self.inputs, **self.apart.inputs}, apart=None)
 
 
 @dataclass(frozen=True)
@@ -99,6 +136,11 @@ class Job:
         """Whether IPython runs the cells: those of a notebook, or a file that is not plain Python."""
         return _is_interactive(self.cells)
 
+    @property
+    def has_reference(self) -> bool:
+        """Whether another process answers functions that the submission calls."""
+        return self.reference is not None or any(scene.apart for scene in self.scenes)
+
     def without(self, done: set[str]) -> "Job":
         """Return this job without the scenes in ``done``."""
         return replace(self, scenes=tuple(s for s in self.scenes if s.name not in done))
@@ -127,6 +169,7 @@ class Job:
                 "source": s.source,
                 "needs": s.needs,
                 "returns": {name: vars(spec) for name, spec in s.returns.items()},
+                "apart": None if s.apart is None else [list(s.apart.families), s.apart.rows],
             }
             for s in self.scenes
         ]
@@ -147,9 +190,22 @@ class Job:
         return _encoded(document)
 
     def encode_reference(self) -> bytes:
-        """Return the job of the process with the reference functions."""
-        assert self.reference is not None
-        return _encoded({"setup": self.setup, "source": self.reference.source, "names": self.reference.names})
+        """Return the job of the process with the reference functions and those of scenes."""
+        names, source = (self.reference.names, self.reference.source) if self.reference else ((), "")
+        apart = [one for s in self.scenes if s.apart is not None for one in s.apart.listed(s.name)]
+        return _encoded({"setup": self.setup, "source": source, "names": names, "apart": apart})
+
+    def calls(self, counts: Mapping[int, int]) -> dict[str, NDArray[np.float64]]:
+        """Return for each scene with functions apart how often those of each row were called, from the calls
+        of all of them by their places in ``encode_reference``.
+        """
+        found, first = {}, 0
+        for scene in self.scenes:
+            if scene.apart is not None:
+                end = first + len(scene.apart.families) * scene.apart.rows
+                found[scene.name] = scene.apart.most_calls([counts.get(k, 0) for k in range(first, end)])
+                first = end
+        return found
 
 
 def _cause(end: SceneEnd) -> tuple[str, str | None, str | None]:

@@ -8,6 +8,7 @@ import signal
 import socket
 import threading
 import time
+from collections import Counter
 from dataclasses import dataclass, field
 from io import FileIO
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ from typing import Any, NamedTuple
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.scratch import NO_ROOM
-from service.sandbox.guest.wire import CLOCK_FACTOR, MALFORMED
+from service.sandbox.guest.wire import CLOCK_FACTOR, COUNT, MALFORMED
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
@@ -59,7 +60,8 @@ class PlaySession:
     """One play of ``job`` within the ``budget`` of the grading.
 
     ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes,
-    unbuffered, are ``job_pipe``, which does not block, ``answers``, which are frames, and ``printed``.
+    unbuffered, are ``job_pipe``, which does not block, ``answers``, which are frames, ``printed``, and with
+    reference functions ``counted``: of each call the place of its function, which ``calls`` counts.
     ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is
     known, and ``times`` those that the kernel reports of it. Another thread may set ``cancelled`` to end the
     play.
@@ -72,9 +74,11 @@ class PlaySession:
     job_pipe: FileIO
     answers: FileIO
     printed: FileIO
+    counted: FileIO | None
     times: ProcessorTimes
     cancelled: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
+    calls: Counter[int] = field(default_factory=Counter)
     stopped: Ended | None = None
     ended: ChildExit | None = None
     _received: int = 0
@@ -91,7 +95,7 @@ class PlaySession:
         self._unsent = memoryview(self.job.encode())
         with selectors.DefaultSelector() as self._selector:
             self._selector.register(self.job_pipe, selectors.EVENT_WRITE)
-            for end in (self.answers, self.printed, self.control):
+            for end in (self.answers, self.printed, self.control, *filter(None, [self.counted])):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
                 while self._is_running():
@@ -143,6 +147,9 @@ class PlaySession:
                 )
             words = text(self.output.decode(errors="replace")[-500:])
             raise SystemFault(f"the sandbox failed before the submission ran: {words or self.ended}")
+        for name, calls in self.job.calls(self.calls).items():
+            if "calls" in (arrays := result.arrays.get(name, {})):
+                arrays["calls"] = calls  # what the submission's process says of them is worth nothing
         scene_end = self.stopped or self._by_status()
         if scene_end is None:
             return
@@ -194,7 +201,9 @@ class PlaySession:
             self.ended = ChildExit.unpack(end.recv(REAPED.size))
             return False
         data = end.read(CHUNK)
-        if end is self.printed:
+        if end is self.counted:
+            self.calls.update(place for (place,) in COUNT.iter_unpack(data))
+        elif end is self.printed:
             self._printed += len(data)
             self.output += data[: KEPT_OUTPUT - len(self.output)]
         else:

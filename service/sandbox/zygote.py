@@ -55,18 +55,26 @@ class LibraryNeeded(Exception):
 
 
 class _Child:
-    """A child that the zygote was asked to start, and the host's ends of its pipes."""
+    """A child that the zygote was asked to start, and the host's ends of its pipes: ``counted`` is that of
+    another child, which holds the ``reference`` functions of a job, if it has some.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, reference: bytes | None) -> None:
+        self.counted: FileIO | None = None
         (job, job_pipe), (answers, result), (printed, output) = os.pipe(), os.pipe(), os.pipe()
         self.theirs = [job, result, output]
         os.set_blocking(job_pipe, False)
         self.job_pipe, self.answers, self.printed = FileIO(job_pipe, "w"), FileIO(answers), FileIO(printed)
+        if reference is not None:
+            counted, counts = os.pipe()
+            self.counted = FileIO(counted)
+            self.theirs += [_file(reference), counts]
 
     def close(self) -> None:
         """Close the host's ends."""
-        for end in (self.job_pipe, self.answers, self.printed):
-            end.close()
+        for end in (self.job_pipe, self.answers, self.printed, self.counted):
+            if end is not None:
+                end.close()
 
 
 class Zygote:
@@ -161,21 +169,20 @@ class Zygote:
 
     def _start(self, job: Job, budget: TimeBudget) -> _Child:
         """Ask the zygote to start a child that can play ``job``."""
-        reference = [] if job.reference is None else [_file(job.encode_reference())]
-        child = _Child()
+        child = _Child(job.encode_reference() if job.has_reference else None)
         try:
             limit = max(1, math.ceil(budget.cpu_left()))
-            self._send(PLAY.pack(limit), *child.theirs, *reference)
+            self._send(PLAY.pack(limit), *child.theirs)
         except ZygoteLost:
             child.close()
             raise
         finally:
-            _close(*child.theirs, *reference)
+            _close(*child.theirs)
         return child
 
     def _play(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         """Play ``job`` in a child that ``_start`` has started."""
-        pidfds = self._pidfds(1 if job.reference is None else 2)
+        pidfds = self._pidfds(2 if job.has_reference else 1)
         began, times = time.monotonic(), ProcessorTimes(*pidfds)
         session = PlaySession(
             job,
@@ -185,6 +192,7 @@ class Zygote:
             child.job_pipe,
             child.answers,
             child.printed,
+            child.counted,
             times,
             self._cancelled,
         )

@@ -30,6 +30,7 @@ from tests.support.course_shape import (
     published,
     written,
 )
+from tests.support.isolation import BY_THE_HOST
 
 
 def imported_folder(folder, name, text):
@@ -288,6 +289,81 @@ def test_a_published_cell_that_imports_validate_gets_the_kits(tmp_path, sandbox,
             published((f"total = 11\n{patch}", *SOLUTIONS[1:]), checks=checks),
         )
     assert marks(made) == "fppp"
+
+
+LENGTHS = (
+    'validate.close(np.linalg.norm(v), 5.0, "the length is 5")\n',
+    'for k in range(3):\n    validate.close(powers[k], 2**k, f"power {k}")\n',
+    'import math\nvalidate.close(math.hypot(*v), 5.0, "the same length")\n',
+)
+WRONG_LENGTHS = "v = np.ones(2)\npowers = [1, 0, 0]\n"
+REPLACED = {
+    "an attribute": "np.linalg.norm = lambda v: 5.0\nimport math\nmath.hypot = lambda *v: 5.0\n",
+    "a name of a builtin": "range = lambda n: [0]\n",
+    "a builtin": "import builtins\nbuiltins.range = lambda n: [0]\n",
+    "the builtins": "__builtins__ = {**vars(__import__('builtins')), 'range': lambda n: [0]}\n",
+    "a module": (
+        "import types\nnp.linalg = types.SimpleNamespace(norm=lambda v: 5.0)\n"
+        "import sys\nsys.modules['math'] = types.SimpleNamespace(hypot=lambda *v: 5.0)\n"
+    ),
+    "the name of a module": (
+        "import types\nones = np.ones\n"
+        "np = types.SimpleNamespace(linalg=types.SimpleNamespace(norm=lambda v: 5.0), ones=ones)\n"
+    ),
+    "code": (
+        "def norm(x, ord=None, axis=None, keepdims=False): return 5.0\n"
+        "np.linalg.norm._implementation.__code__ = norm.__code__\n"
+    ),
+    "what a function of numpy calls": "import numpy.linalg._linalg as inner\ninner.sqrt = lambda x: 5.0\n",
+    "the class of a module": (
+        "import types\nclass Module(types.ModuleType):\n"
+        "    def __getattribute__(self, name):\n"
+        "        return (lambda v: 5.0) if name == 'norm' else super().__getattribute__(name)\n"
+        "np.linalg.__class__ = Module\n"
+    ),
+    "all that is deleted": "del np.linalg.norm\n",
+}
+
+
+@pytest.fixture(scope="module")
+def lengths(tmp_path_factory):
+    home = imported_folder(tmp_path_factory.mktemp("lengths"), "lengths", published(checks=LENGTHS))
+    with known(home) as found:
+        yield found.valid["lengths"]
+
+
+def lengths_of(*solution):
+    return published((solution[0], *solution[1:], *[HIDDEN] * (3 - len(solution))), checks=LENGTHS)
+
+
+def test_right_lengths_are_right(lengths, sandbox):
+    right = "v = np.array([3.0, 4.0])\npowers = [1, 2, 4]\nsum = max = range = id = input = 0\n"
+    assert marks(report(lengths, sandbox, lengths_of(right))) == "ppp"
+
+
+@pytest.mark.parametrize("name", REPLACED)
+@BY_THE_HOST
+def test_given_cells_run_with_modules_and_builtins_as_they_were(lengths, either_sandbox, name):
+    made = report(lengths, either_sandbox, lengths_of(f"{REPLACED[name]}{WRONG_LENGTHS}"))
+    assert marks(made) == "fff", made.text()
+
+
+def test_the_submission_finds_its_own_changes_again(lengths, sandbox):
+    changes = "v = np.array([3.0, 4.0])\npowers = [1, 2, 4]\nnp.linalg.norm = lambda v: 7.0\nrange = 5\n"
+    finds = "print(np.linalg.norm(v), range)\n"
+    made = report(lengths, sandbox, lengths_of(changes, finds))
+    assert (marks(made) == "ppp" and made.stdout.startswith("7.0 5\n")) or "7.0 5\n" in made.stdout
+
+
+def test_what_the_submission_changes_while_a_given_cell_runs_makes_its_lines_unmeasured(lengths, sandbox):
+    changes = (
+        "class Vector:\n    def __array__(self, *a, **k):\n        np.linalg.norm = lambda v: 5.0\n"
+        "        return np.ones(2)\n    def __iter__(self):\n        return iter((3.0, 4.0))\n"
+        "v, powers = Vector(), [1, 2, 4]\n"
+    )
+    made = report(lengths, sandbox, lengths_of(changes))
+    assert marks(made) == "upp", made.text()
+    assert "your code changed numpy.linalg.norm while the cell ran" in made.outcomes()[0].line
 
 
 FORGED = (

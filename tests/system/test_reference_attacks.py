@@ -179,6 +179,8 @@ ENDS = {
     "never": ("step(lambda x: [0 for _ in iter(int, 1)], 1.0)", Ended.TIMED_OUT, "0.3 s"),
     "object": ("step(lambda x: object(), 1.0)", Ended.RAISED, "cannot exchange a value of type object"),
     "large": ("step(lambda x: np.zeros(1 << 22), 1.0)", Ended.RAISED, "larger than 16 MiB"),
+    "many lists": ("step(lambda x: [[]] * 1_500_000, 1.0)", Ended.RAISED, "more memory than the process of"),
+    "many lists passed": ("step([[]] * 1_500_000, 1.0)", Ended.RAISED, "more memory than the process of"),
     "flood": ("os.write(5, b'[' * (1 << 24))", Ended.PROTOCOL, ""),
 }
 

@@ -92,9 +92,11 @@ def _reader(kind: Any) -> Reader:
     if origin is types.UnionType:
         inner = _reader(get_args(kind)[0])
         return lambda written: None if written is None else inner(written)
-    if origin is list:
+    if origin in (list, tuple):  # of any length
         each = _reader(get_args(kind)[0])
-        return lambda written: [_part(each, item, "[{}]", k) for k, item in enumerate(_of(list, written))]
+        return lambda written: origin(
+            _part(each, item, "[{}]", k) for k, item in enumerate(_of(list, written))
+        )
     if origin is dict:
         value = _reader(get_args(kind)[1])
         return lambda written: {

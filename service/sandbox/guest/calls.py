@@ -41,12 +41,15 @@ DRAWS = (
     "standard_normal",
     "uniform",
 )
-INVALID = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError, MemoryError)
+INVALID = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 TYPES = {
     "call": ((str, tuple, dict), (int, tuple, dict)),
     "raise": ((str, str, int, int),),
 }  # of a frame's values, by its kind
 NOTHING: Mapping[str | int, Callable[..., Any]] = {}
+TOO_LARGE = "!"  # the function that is called in place of one whose arguments do not fit into memory
+CALL = b'["call"'  # begins the header of a call
+NO_ROOM = "the values of one call take more memory than the process of the reference functions has"
 STOPPED = (
     "the process of the reference functions stopped: they were called with values that need too much time or"
     " memory"
@@ -70,7 +73,7 @@ class Channel:
     ) -> None:
         self._fd, self._exits, self.lost = fd, exits, False
         self._incoming = open(fd, "rb", closefd=False)  # noqa: SIM115 -- lives as long as the channel
-        self._functions = dict(exported)
+        self._functions = {TOO_LARGE: _too_large, **exported}
         self._passed = self._received = self._open = self._raised = 0
         self._exception: BaseException | None = (
             None  # the last one that a function of this end raised, number ``_raised``
@@ -164,6 +167,9 @@ class Channel:
         data = self._read(length)
         try:
             return self._unpack(data[:header], data[header:])
+        except MemoryError:  # short lists, for example, take twenty times the bytes of their text
+            is_call = data.startswith(CALL)
+            return ["call", TOO_LARGE, (), {}] if is_call else ["raise", ValueError.__name__, NO_ROOM, 0, 0]
         except INVALID:
             self._end(MALFORMED)
             raise
@@ -267,6 +273,10 @@ class Channel:
         if not valid or at != len(raw):
             raise ValueError("not a message")
         return [kind, *values]
+
+
+def _too_large() -> None:
+    raise ValueError(NO_ROOM)
 
 
 def _is_result(value: dict[Any, Any]) -> bool:

@@ -8,7 +8,7 @@ import os
 import sys
 import types
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from ecp import animate
@@ -18,6 +18,7 @@ from . import unused_libraries
 from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
 from .ending import Cause, ending
+from .given import Given
 from .pieces import pieces
 from .place import Place
 from .scratch import end_if_full
@@ -62,7 +63,8 @@ class Cells:
         spent and the host may start another process; else only definitions run from then on.
         """
         self._names |= self._fixed
-        several = any(published for _, _, published in self._job["cells"])
+        sources = [source for _, source, published in self._job["cells"] if published]
+        several, self._given = bool(sources), Given(sources, self._job["functions"]) if sources else None
         for name, source, published in self._job["cells"]:
             self._budget = Budget(self._job["load_budget_s"]) if several else self._budget
             recorder.cell, recorder.places = name, published
@@ -81,12 +83,12 @@ class Cells:
     def _run(self, piece: str, name: str, recorder: Recorder, *, published: bool) -> None:
         before, failed = animate.shown[:], len(self.statements.failures)
         self.statements.cell = name
-        with recorder.in_place(self._names) if published else nullcontext():
+        with self._in_place(recorder) if published else nullcontext():
             stray = limited(lambda: self._run_piece(piece, name), self._budget)
-            recorder.send(self._write)
             if not self._budget.left():
                 self._stop(name)
                 stray = limited(lambda: self._run_piece(piece, name), self._budget)
+        recorder.send(self._write)
         self.shows = self.shows if animate.shown == before else piece
         if stray is not None and not isinstance(stray, OutOfTime):
             self.statements.failures.append(stray)
@@ -96,6 +98,17 @@ class Cells:
             shown = f'  File "{name}", line {place.line}\n{linecache.getline(name, place.line)}'
             self._write.event("cell", cell=name, ended="exited", sentence=LEFT_OUT_EXIT, traceback=shown)
         self.statements.exits.clear()
+
+    @contextmanager
+    def _in_place(self, recorder: Recorder) -> Iterator[None]:
+        """Let a published cell run with modules and builtins that the submission has not changed. Its claims
+        count for nothing if the submission changes them meanwhile.
+        """
+        assert self._given is not None
+        with self._given.in_place(self._names), recorder.in_place(self._names):
+            yield
+        if self._given.changed:
+            recorder.leave_out(self._given.changed)
 
     def _stop(self, name: str) -> None:
         """Stop, or if no other process may start, let only definitions run from now on."""

@@ -115,6 +115,10 @@ class Recorder:
         for header, arrays in unsent:
             write.claim(header, arrays)
 
+    def leave_out(self, reason: str) -> None:
+        """Send the claims recorded since the last call without their arrays, for this reason."""
+        self._unsent = [(header | {"left_out": reason}, {}) for header, _ in self._unsent]
+
     def _too_large(self, claim: Claim, size: int) -> str:
         if any(array.ndim > MOST_AXES for array in claim.arrays.values()):
             return f"an array has more than {MOST_AXES} axes"

@@ -1,6 +1,10 @@
-"""The program of the child that holds reference functions: the right solutions of earlier questions. It runs
-no submission.
+"""The program of the child that holds reference functions: the right solutions of earlier questions, and the
+functions that scenes pass to the submission where these are counted or know a truth. It runs no submission.
 """
+
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -8,16 +12,20 @@ from ecp.return_value import describe_exception
 
 from .calls import LOADED, Channel
 from .run_scenes import prepare
-from .wire import FILES, JobReader
+from .wire import COUNT, FILES, JobReader
+
+Function = Callable[..., Any]
 
 
-def run(job_fd: int, calls_fd: int) -> None:
-    """Load the right solutions and answer calls of them until the other process ends."""
+def run(job_fd: int, calls_fd: int, counts_fd: int) -> None:
+    """Load the right solutions and the functions of scenes, and answer calls of them until the other process
+    ends. Each call of a function of a scene is reported to the host.
+    """
     job = JobReader(job_fd).job()
     try:
-        names = prepare(compile(job["setup"], FILES["setup"], "exec")).__dict__
-        exec(compile(job["source"], "solution.py", "exec"), names)
-        exported, error = {name: names[name] for name in job["names"]}, ""
+        exported, error = _solutions(job) if job["names"] else {}, ""
+        for place, one in enumerate(job["apart"]):
+            exported[one["target"]] = _counted(_function(one), place, counts_fd)
     except BaseException as raised:
         exported, error = (
             {},
@@ -25,3 +33,26 @@ def run(job_fd: int, calls_fd: int) -> None:
         )
     with np.errstate(all="ignore"):
         Channel(calls_fd, exported | {LOADED: lambda: error}, exits=True).serve()
+
+
+def _solutions(job: Mapping[str, Any]) -> dict[str, Function]:
+    names = prepare(compile(job["setup"], FILES["setup"], "exec")).__dict__
+    exec(compile(job["source"], "solution.py", "exec"), names)
+    return {name: names[name] for name in job["names"]}
+
+
+def _function(of: Mapping[str, Any]) -> Function:
+    from ecp.kinds.asking import expression  # a zygote may have imported it later
+
+    given = {
+        name: np.array(value) if isinstance(value, list) else value for name, value in of["given"].items()
+    }
+    return expression(of["text"], tuple(of["over"]), given)
+
+
+def _counted(function: Function, place: int, counts_fd: int) -> Function:
+    def counted(*values: Any, **named: Any) -> Any:
+        os.write(counts_fd, COUNT.pack(place))
+        return function(*values, **named)
+
+    return counted

@@ -28,7 +28,7 @@ from .claims import Recorder
 from .ending import Cause, ending
 from .nothing import NOTHING
 from .seal import Seal, in_place, names_used, private_modules
-from .wire import FILES, JobReader, Writer
+from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
@@ -80,6 +80,18 @@ class Reference:
             raise AuthorError(error)
         self.functions = {name: self.channel.proxy(name, name) for name in names}
 
+    def inputs(self, scene: dict[str, Any]) -> dict[str, Any]:
+        """Return the inputs of a scene with the functions that are not made in this process, one a row."""
+        names, rows = scene["apart"]
+        made = {
+            name: [
+                self.channel.proxy(APART.format(scene=scene["name"], name=name, row=row), name)
+                for row in range(rows)
+            ]
+            for name in names
+        }
+        return scene["inputs"] | made
+
 
 def _run(
     job: dict[str, Any],
@@ -107,6 +119,8 @@ def _run(
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
             continue
+        if reference is not None and scene["apart"]:
+            scene["inputs"] = reference.inputs(scene)
         absent = _missing(scene, student, job["variables"], cells.statements.causes)
         if absent and not _answers_without(scene, absent):
             name, (sentence, code) = next(iter(absent.items()))

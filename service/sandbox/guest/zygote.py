@@ -5,11 +5,12 @@ It reads no submission and has no secret. Each child that runs a submission has 
 
 For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it
-used. With a fourth descriptor, a job of reference functions, a second child holds these and answers calls of
-the first one (calls.py): it gets the same layers and limits, its pidfd and wait status are returned too, and
-it does not survive the first. The zygote's first message is READY and its identity as JSON. On COPY, with a
-control socket, it forks a copy of itself that obeys that socket. A zygote that imports a library of MODULES
-later does so when it receives IMPORT and the name of one, and answers READY.
+used. With two more descriptors, a job of reference functions and a pipe for their calls, a second child holds
+these and answers calls of the first one (calls.py): it gets the same layers and limits, its pidfd and wait
+status are returned too, and it does not survive the first. The zygote's first message is READY and its
+identity as JSON. On COPY, with a control socket, it forks a copy of itself that obeys that socket. A zygote
+that imports a library of MODULES later does so when it receives IMPORT and the name of one, and answers
+READY.
 """
 
 import contextlib
@@ -119,7 +120,7 @@ def _obey(control: socket.socket, layers: Any, rooms: Sequence[str]) -> None:
 
     room, copies = rooms[0], 0
     while True:
-        message, fds, _, _ = socket.recv_fds(control, 256, 4)
+        message, fds, _, _ = socket.recv_fds(control, 256, 5)
         if message.startswith(IMPORT):
             _import_later(message.removeprefix(IMPORT).decode())
             control.send(READY)
@@ -141,8 +142,8 @@ def _obey(control: socket.socket, layers: Any, rooms: Sequence[str]) -> None:
 
 
 def _play(control: socket.socket, layers: Any, room: str, cpu_s: int, fds: list[int]) -> None:
-    """Start the children of a play with descriptors of job, result, output, and the reference functions if
-    there is a fourth. Report their pidfds and how they ended, and remove the scratch folder.
+    """Start the children of a play with descriptors of job, result, output, and of the reference functions if
+    there are more. Report their pidfds and how they ended, and remove the scratch folder.
     """
     scratch, calls = Scratch(room), list[int]()
     scratch.fill(os.curdir)
@@ -150,7 +151,8 @@ def _play(control: socket.socket, layers: Any, room: str, cpu_s: int, fds: list[
     if reference:
         calls = [end.detach() for end in socket.socketpair()]
     children = [_fork_submission(layers, scratch, [*fds[:3], *calls[1:]], cpu_s)]
-    children += [_fork_reference(layers, job, calls[0], cpu_s) for job in reference]
+    if reference:
+        children.append(_fork_reference(layers, [reference[0], calls[0], reference[1]], cpu_s))
     for fd in (*fds, *calls):
         os.close(fd)
     handles = [os.pidfd_open(child) for child in children]
@@ -225,12 +227,12 @@ def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], cpu_s: int) 
     _run("run_scenes", layers, places, cpu_s)
 
 
-def _fork_reference(layers: Any, job: int, calls: int, cpu_s: int) -> int:
+def _fork_reference(layers: Any, fds: list[int], cpu_s: int) -> int:
     """Start the child that holds reference functions, and return its process id."""
     if child := os.fork():
         return child
     layers.own_folder(None)
-    _run("reference", layers, {1: None, 2: None, 3: job, 4: calls}, cpu_s)
+    _run("reference", layers, {1: None, 2: None} | dict(enumerate(fds, start=3)), cpu_s)
 
 
 def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int) -> NoReturn:

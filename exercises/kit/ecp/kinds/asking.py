@@ -76,7 +76,7 @@ def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of one call by parameter: constants, values of the row, generators, symbols,
-    counted functions.
+    counted functions. A row of a server may hold a function itself, which another process answers.
     """
     given = {
         name: np.array(value) if isinstance(value, list) else value
@@ -85,8 +85,10 @@ def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, 
     values = {**given, **row}
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
     for name, family in question["families"].items():
-        scope = {known: values.pop(known) for known in family["given"]}
-        values[name] = Counted(expression(family["text"], tuple(family["over"]), scope), name, most)
+        if (function := values.get(name)) is None:
+            scope = {known: values.pop(known) for known in family["given"]}
+            function = expression(family["text"], tuple(family["over"]), scope)
+        values[name] = Counted(function, name, most)
     values |= {name: np.random.default_rng(values[name]) for name in question.get("generators", ())}
     values |= {name: _symbol(name, assumptions) for name, assumptions in question.get("symbols", {}).items()}
     return {parameter: values[parameter] for parameter in question["parameters"]}
@@ -334,7 +336,7 @@ def _symbol(name: str, assumptions: Mapping[str, bool]) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if value.ndim == 0 else value
+    return value.item() if getattr(value, "ndim", None) == 0 else value
 
 
 def _short(value: Any) -> str:

@@ -62,12 +62,15 @@ class ReportedLine(Check):
         """Return the errors of the declaration. A line without points has none of its own."""
         return super().errors() if self.declared.counts else []
 
-    def reported(self, claims: Sequence[Claim], cause: str, *, stopped: bool = False) -> Outcome:
+    def reported(
+        self, claims: Sequence[Claim], cause: str, *, stopped: bool = False, solution: int = 0
+    ) -> Outcome:
         """Return the outcome of the ``claims`` made at its place; without one it is unmeasured for this
         ``cause``.
 
         Where the call was made several times, all of them must hold, and the first that does not is shown. If
-        its cell ``stopped``, the loop around it may not have ended.
+        its cell ``stopped``, the loop around it may not have ended. A loop must make as many claims as with
+        the author's ``solution``.
         """
         judged = [(fixed, self._judged(fixed)) for claim in claims if (fixed := self._fixed(claim))]
         claim, found = next(
@@ -80,6 +83,11 @@ class ReportedLine(Check):
             or (stopped and self.call.repeated and found.verdict is Verdict.PASS)
         ):
             return self._marked(self.unmeasured(cause), {})
+        if self.call.repeated and len(judged) < solution and found.verdict is Verdict.PASS:
+            few = (
+                f"the loop made {len(judged)} of the {solution} checks that it makes with the right solution"
+            )
+            return self._marked(self.unmeasured(few), {})
         outcome = self._outcome(found, [])
         outcome.label = self.label if self.call.is_plain else claim.label or self.label
         if found.verdict is Verdict.UNMEASURED:

@@ -3,7 +3,7 @@
 import functools
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ecp.checks import Arrays
 from ecp.claims import Claim, NotebookCheck
@@ -18,6 +18,7 @@ from service.grading.chains import play_chains, with_used
 from service.grading.diagnosing import diagnose
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.judging import judge
+from service.grading.loops import claims_of_solution
 from service.grading.playing import OnProgress, play_job
 from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault
@@ -87,6 +88,7 @@ def _grade(
     with budget.charged():
         job = job_of(submission, assignment, scenes, inputs)
     played = play_job(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
+    played = replace(played, claims_of_solution=claims_of_solution(assignment, sandbox))
     chains = play_chains(assignment, played, sandbox)
     result = played.result
     covered = asked if numbers is not None else _covered(asked, result.written)

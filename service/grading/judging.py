@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ecp.checks import Arrays, Check
+from ecp.checks import Check
 from ecp.exercise import Exercise
 from ecp.judge import Verdict
 from ecp.notes import Absent, unsaid
@@ -30,7 +30,7 @@ def judge(
     outcomes, result, said = [], played.result, set[str]()
     for check in exercise.applicable_checks(result.written, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
-        outcome = _outcome(check, scenes, result, played.truths)
+        outcome = _outcome(check, scenes, played)
         if absent := _absent(check, scenes, result):
             name, why = absent
             outcome.diagnosis = [Diagnosis(why.code, why.sentence, 1.0, (name,))] if why.code else []
@@ -47,14 +47,20 @@ def judge(
 def passes(assignment: Assignment, check: Check, played: PlayedJob) -> bool:
     """Return whether a check passes or does not count."""
     scenes = [assignment.scene(name) for name in check.scenes]
-    outcome = _outcome(check, scenes, played.result, played.truths)
+    outcome = _outcome(check, scenes, played)
     return outcome.verdict is Verdict.PASS or not outcome.counted
 
 
-def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:
+def _outcome(check: Check, scenes: list[Scene], played: PlayedJob) -> Outcome:
+    result, truths = played.result, played.truths
     if isinstance(check, ReportedLine):
         claims = result.reported.get((check.cell, check.call.place), ())
-        return check.reported(claims, _cause_of_cell(check.cell, result), stopped=check.cell in result.cells)
+        return check.reported(
+            claims,
+            _cause_of_cell(check.cell, result),
+            stopped=check.cell in result.cells,
+            solution=played.claims_of_solution.get((check.cell, check.call.place), 0),
+        )
     for scene in scenes:
         if not result.finished(scene.name):
             name, sentence = _cause(scene, result)

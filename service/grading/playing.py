@@ -3,7 +3,7 @@
 import re
 import secrets
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ecp.author_errors import UNUSABLE, same_error
 from ecp.checks import Arrays
@@ -12,6 +12,7 @@ from exercises import packages
 from exercises.assignment import Assignment, Inputs
 from service.grading.author_errors import fault
 from service.grading.jobs import truth
+from service.grading.loops import Claims
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import OnScene, PlayResult, ignore
 from service.sandbox.sandbox import Sandbox
@@ -31,8 +32,8 @@ return the same.
 
 @dataclass(frozen=True)
 class PlayedJob:
-    """A job with the inputs and exact answers of its scenes, the result of playing it, and the grading's time
-    budget.
+    """A job with the inputs and exact answers of its scenes, the result of playing it, the grading's time
+    budget, and the claims that loops of published cells make with the author's solution.
     """
 
     job: Job
@@ -40,6 +41,7 @@ class PlayedJob:
     truths: dict[str, Arrays]
     result: PlayResult
     budget: TimeBudget
+    claims_of_solution: Claims = field(default_factory=dict)
 
 
 def play_job(

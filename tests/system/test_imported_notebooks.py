@@ -264,6 +264,30 @@ def test_a_loop_that_stops_early_proves_nothing(sums, sandbox):
     assert marks(made) == "ppupp" and "ZeroDivisionError" in made.outcomes()[2].cause
 
 
+@pytest.mark.parametrize(
+    ("powers", "mark"),
+    [
+        ("[2**n for n in range(4)]", "p"),
+        ("[2**n for n in range(9)]", "p"),
+        ("[1]", "u"),
+        ("[]", "u"),
+        ("[1, 3]", "f"),
+    ],
+)
+def test_a_loop_makes_the_claims_that_it_makes_with_the_authors_solution(tmp_path, sandbox, powers, mark):
+    home = imported_folder(tmp_path, "looped-sums", published())
+    written(home / "samples", "right_all.ipynb", published(SOLUTIONS))
+    with known(home) as found:
+        made = report(
+            found.valid["looped-sums"],
+            sandbox,
+            published((SOLUTIONS[0], f"powers = {powers}\n", SOLUTIONS[2])),
+        )
+    assert marks(made) == f"pp{mark}pp", made.text()
+    if powers == "[1]":
+        assert "the loop made 1 of the 4 checks that it makes with the right solution" in made.text()
+
+
 IMPORTS = 'from ecp import validate\nvalidate.close(total, 10, "ten")\n'
 PATCHES = (
     (

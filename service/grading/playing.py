@@ -10,6 +10,7 @@ from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
 from exercises import packages
 from exercises.assignment import Assignment, Inputs
+from service.grading.afresh import compare_afresh
 from service.grading.author_errors import fault
 from service.grading.jobs import truth
 from service.grading.loops import Claims
@@ -68,6 +69,7 @@ def play_job(
     result = play(job, assignment, sandbox, budget, on_scene)
     if failed:
         raise failed[0]
+    compare_afresh(job, result, sandbox, budget)
     on_progress("judging", len(places), len(places))
     for name in list(result.arrays):
         scene = assignment.scene(name)

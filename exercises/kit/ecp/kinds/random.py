@@ -23,6 +23,7 @@ from ecp.outcome import Tolerance
 Array = NDArray[np.float64]
 Test = tuple[Array, float, str]
 """What each row's numbers are, their limit, and the text that shows the largest."""
+AFRESH = "afresh"
 NORMAL = 1000
 
 
@@ -30,7 +31,7 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     """Return the answers of repeated calls for each row, repetitions along the second index.
 
     A seed is another for each repetition. ``again`` is 1 where the first seed, passed again, gives the same
-    answer.
+    answer. A question with AFRESH is that for the last repetition alone.
     """
 
     def once(row: Mapping[str, Any], repetition: int) -> dict[str, Any]:
@@ -46,8 +47,11 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
             "again": float(all(np.array_equal(runs[0][name], again[name], equal_nan=True) for name in again))
         }
 
+    def last(row: Mapping[str, Any]) -> dict[str, Any]:
+        return once(row, question["repetitions"] - 1)
+
     with _global_generators():
-        return each(rows, answer)
+        return each(rows, last if question.get(AFRESH) else answer)
 
 
 @contextmanager

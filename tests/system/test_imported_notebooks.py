@@ -346,6 +346,27 @@ REPLACED = {
         "np.linalg.__class__ = Module\n"
     ),
     "all that is deleted": "del np.linalg.norm\n",
+    "the tree of a cell": (
+        "import ast\nclass Five(ast.NodeTransformer):\n    def visit_Call(self, node):\n"
+        "        self.generic_visit(node)\n        name = ast.unparse(node.func)\n"
+        "        return ast.Constant(5.0) if name in ('np.linalg.norm', 'math.hypot') else node\n"
+        "try:\n    get_ipython().ast_transformers.append(Five())\nexcept Exception:\n    pass\n"
+        "parse = ast.parse\nast.parse = lambda *a, **k: Five().visit(parse(*a, **k))\n"
+    ),
+    "the text of a cell": (
+        "try:\n    get_ipython().input_transformers_post.append(\n"
+        "        lambda lines: [line.replace('np.linalg.norm(v)', '5.0') for line in lines])\n"
+        "except Exception:\n    pass\n"
+    ),
+    "what runs between lines": (
+        "import math, sys\nowners, lie = [(np.linalg, 'norm'), (math, 'hypot')], lambda *v: 5.0\n"
+        "true = [getattr(*one) for one in owners]\n"
+        "def trace(frame, event, argument):\n"
+        "    if frame.f_code.co_filename.startswith('published'):\n"
+        "        for one, value in zip(owners, true):\n"
+        "            setattr(*one, value if event == 'return' else lie)\n"
+        "    return trace\nsys.settrace(trace)\nrange = lambda n: [0]\n"
+    ),
 }
 
 

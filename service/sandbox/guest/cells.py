@@ -19,7 +19,7 @@ from .budget import Budget, OutOfTime, limited
 from .claims import Recorder
 from .ending import Cause, ending
 from .given import Given
-from .pieces import pieces
+from .pieces import is_python, pieces
 from .place import Place
 from .scratch import end_if_full
 from .shell_commands import run_command
@@ -83,11 +83,13 @@ class Cells:
     def _run(self, piece: str, name: str, recorder: Recorder, *, published: bool) -> None:
         before, failed = animate.shown[:], len(self.statements.failures)
         self.statements.cell = name
+        # a submission can change how IPython reads and runs a cell
+        run = self._as_script if published and is_python(piece) else self._run_piece
         with self._in_place(recorder) if published else nullcontext():
-            stray = limited(lambda: self._run_piece(piece, name), self._budget)
+            stray = limited(lambda: run(piece, name), self._budget)
             if not self._budget.left():
                 self._stop(name)
-                stray = limited(lambda: self._run_piece(piece, name), self._budget)
+                stray = limited(lambda: run(piece, name), self._budget)
         recorder.send(self._write)
         self.shows = self.shows if animate.shown == before else piece
         if stray is not None and not isinstance(stray, OutOfTime):

@@ -35,7 +35,8 @@ class Given:
         bound = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         bound |= {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
         self._own = {*bound, *asked}
-        packages = {getattr(value, "__module__", "").partition(".")[0] for value in self._imports.values()}
+        packages = {"ast"}  # which runs the cells
+        packages |= {getattr(value, "__module__", "").partition(".")[0] for value in self._imports.values()}
         packages |= {
             value.__name__.partition(".")[0] for value in self._imports.values() if _is_module(value)
         }
@@ -65,6 +66,8 @@ class Given:
         """Let a given cell that runs in ``names`` inside the ``with`` block find everything unchanged, and
         the submission its own changes afterwards. Then ``changed`` says what its code changed meanwhile.
         """
+        sys.settrace(None)
+        sys.setprofile(None)
         theirs = self._restore()
         hidden = self._shown(names)
         try:

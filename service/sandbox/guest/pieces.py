@@ -23,10 +23,11 @@ def pieces(source: str) -> list[str]:
     found = [
         "\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)
     ]
-    return [source] if _is_python(source) and not all(map(_is_python, found)) else found
+    return [source] if is_python(source) and not all(map(is_python, found)) else found
 
 
-def _is_python(source: str) -> bool:
+def is_python(source: str) -> bool:
+    """Return whether a text is Python without IPython's additions."""
     try:
         with warnings.catch_warnings(action="ignore"):  # warnings are shown when the code runs
             compile(source, "cell", "exec")

@@ -95,8 +95,9 @@ class PlaySession:
         self._unsent = memoryview(self.job.encode())
         with selectors.DefaultSelector() as self._selector:
             self._selector.register(self.job_pipe, selectors.EVENT_WRITE)
-            for end in (self.answers, self.printed, self.control, *filter(None, [self.counted])):
-                self._selector.register(end, selectors.EVENT_READ)
+            for end in (self.answers, self.printed, self.control, self.counted):
+                if end is not None:
+                    self._selector.register(end, selectors.EVENT_READ)
             try:
                 while self._is_running():
                     self._step()

@@ -116,13 +116,15 @@ class Given:
                     with suppress(TypeError, AttributeError):
                         setattr(one, key, value)
                         found.append((f"{one.__name__}.{key}", one, key, other))
-        for one, code in self._functions:
-            if any(a is not b for a, b in zip(_code(one), code, strict=True)):
+        for function, code in self._functions:
+            present = _code(function)
+            if any(a is not b for a, b in zip(present, code, strict=True)):
                 found += [
-                    (one.__name__, one, key, value) for key, value in zip(CODE, _code(one), strict=True)
+                    (function.__name__, function, key, value)
+                    for key, value in zip(CODE, present, strict=True)
                 ]
                 for key, value in zip(CODE, code, strict=True):
-                    setattr(one, key, value)
+                    setattr(function, key, value)
         return found
 
 
@@ -142,7 +144,9 @@ def _imported(nodes: Sequence[ast.AST]) -> Names:
     """Return what import statements bind, by name, as far as it can be imported."""
     found = Names()
     for node in nodes:
-        for alias in node.names if isinstance(node, ast.Import | ast.ImportFrom) else ():
+        if not isinstance(node, ast.Import | ast.ImportFrom):
+            continue
+        for alias in node.names:
             with suppress(Exception):  # what fails here fails in the cell too
                 if isinstance(node, ast.Import):
                     module = importlib.import_module(alias.name)

@@ -22,20 +22,21 @@ def run(job_fd: int, calls_fd: int, counts_fd: int) -> None:
     ends. Each call of a function of a scene is reported to the host.
     """
     job = JobReader(job_fd).job()
+    exported: dict[str | int, Function] = {}
     try:
-        exported, error = _solutions(job) if job["names"] else {}, ""
+        if job["names"]:
+            exported |= _solutions(job)
+        error = ""
         for place, one in enumerate(job["apart"]):
             exported[one["target"]] = _counted(_function(one), place, counts_fd)
     except BaseException as raised:
-        exported, error = (
-            {},
-            f"the right solutions: {describe_exception(raised, lambda file: False)['sentence']}",
-        )
+        exported.clear()
+        error = f"the right solutions: {describe_exception(raised, lambda file: False)['sentence']}"
     with np.errstate(all="ignore"):
         Channel(calls_fd, exported | {LOADED: lambda: error}, exits=True).serve()
 
 
-def _solutions(job: Mapping[str, Any]) -> dict[str, Function]:
+def _solutions(job: Mapping[str, Any]) -> dict[str | int, Function]:
     names = prepare(compile(job["setup"], FILES["setup"], "exec")).__dict__
     exec(compile(job["source"], "solution.py", "exec"), names)
     return {name: names[name] for name in job["names"]}

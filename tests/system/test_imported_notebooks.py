@@ -393,6 +393,14 @@ def test_given_cells_run_with_modules_and_builtins_as_they_were(lengths, either_
     assert marks(made) == "fff", made.text()
 
 
+def test_a_given_cell_knows_that_it_is_the_main_program_of_a_notebook(tmp_path, sandbox):
+    checks = ('validate.check(__name__ == "__main__", "main")\nget_ipython()\n', *LENGTHS[1:])
+    with known(imported_folder(tmp_path, "main-lines", published(checks=checks))) as found:
+        right = "v = np.array([3.0, 4.0])\npowers = [1, 2, 4]\n"
+        made = report(found.valid["main-lines"], sandbox, published((right, HIDDEN, HIDDEN), checks=checks))
+    assert marks(made) == "ppp", made.text()
+
+
 def test_the_submission_finds_its_own_changes_again(lengths, sandbox):
     changes = "v = np.array([3.0, 4.0])\npowers = [1, 2, 4]\nnp.linalg.norm = lambda v: 7.0\nrange = 5\n"
     finds = "print(np.linalg.norm(v), range)\n"

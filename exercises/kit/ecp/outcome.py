@@ -99,7 +99,7 @@ class Diagnosis:
 @dataclass(kw_only=True)
 class Outcome:
     """The outcome of one check. ``cause`` says why nothing was measured, and ``cause_scene`` which scene
-    ended so, if one with random inputs did; ``margin`` is allowed / measured.
+    ended so, if that may depend on its inputs; ``margin`` is allowed / measured.
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.

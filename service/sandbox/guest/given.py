@@ -17,8 +17,10 @@ from typing import Any
 from .claims import PRIVATE as OWN
 
 Names = dict[str, Any]
+KIT = OWN[0].partition(".")[0]
 HEAP = 1 << 9  # the flag of a class whose attributes can be set
 MISSING = object()
+OF_A_NOTEBOOK = {"display", "get_ipython", "exit", "quit"}  # which have their own
 CHANGED = "your code changed {name} while the cell ran: leave the modules of others as they are"
 
 
@@ -35,6 +37,7 @@ class Given:
         bound = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         bound |= {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
         self._own = {*bound, *asked}
+        self._builtins = {name for name in vars(builtins) if name[0] != "_"} - OF_A_NOTEBOOK
         packages = {"ast"}  # which runs the cells
         packages |= {getattr(value, "__module__", "").partition(".")[0] for value in self._imports.values()}
         packages |= {
@@ -43,7 +46,7 @@ class Given:
         self._modules = {
             name: module
             for name, module in list(sys.modules.items())
-            if name.partition(".")[0] in packages and _is_module(module) and name not in (*OWN, "ecp")
+            if name.partition(".")[0] in packages and _is_module(module) and name not in (*OWN, KIT)
         } | {"builtins": builtins}
         self._kinds = {name: type(module) for name, module in self._modules.items()}
         self._spaces = [(name, vars(module), _parts(vars(module))) for name, module in self._modules.items()]
@@ -87,10 +90,10 @@ class Given:
         """
         found = dict[str, tuple[Any, Any]]()
         wanted = {name: value for name, value in self._imports.items() if name in names}
-        wanted |= {name: MISSING for name in vars(builtins) if name in names and name not in self._imports}
+        wanted |= dict.fromkeys(self._builtins & names.keys() - self._imports.keys(), MISSING)
         wanted["__builtins__"] = builtins
         for name, value in wanted.items():
-            if name not in self._own and names.get(name, MISSING) is not value and name != "display":
+            if name not in self._own and names.get(name, MISSING) is not value:
                 found[name] = (value, names.get(name, MISSING))
                 _put(names, name, value)
         return found
@@ -152,7 +155,7 @@ def _imported(nodes: Sequence[ast.AST]) -> Names:
                     module = importlib.import_module(alias.name)
                     top = sys.modules[alias.name.partition(".")[0]]
                     found[alias.asname or top.__name__] = module if alias.asname else top
-                elif node.module and not node.level and not node.module.startswith("ecp"):
+                elif node.module and not node.level and node.module.partition(".")[0] != KIT:
                     value = getattr(importlib.import_module(node.module), alias.name)
                     found[alias.asname or alias.name] = value
     return found

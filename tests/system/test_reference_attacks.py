@@ -185,6 +185,9 @@ ENDS = {
 }
 
 
+LONG = {"many lists": 30.0, "many lists passed": 30.0}  # CPU seconds that they may need
+
+
 @pytest.fixture(scope="module")
 def sandboxes():
     started = {
@@ -260,12 +263,15 @@ def test_processes_of_the_same_user_cannot_read_it_without_the_other_layers_eith
         sandbox.close()
 
 
-@pytest.mark.parametrize("name", ENDS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else []) for name in ENDS]
+)
 @pytest.mark.parametrize("level", ["process", pytest.param("namespaces", marks=pytest.mark.slow)])
 def test_a_scene_that_misuses_the_calls_ends_with_a_sentence(sandboxes, level, name):
     action, ended, sentence = ENDS[name]
     source = f"def later(x):\n    if x == 1:\n        {action}\n    return step(lambda x: 2 * x, x)\n"
-    result = played(sandboxes[level], source, 2, budget_s=0.3 if name == "never" else 5.0)
+    budget_s = 0.3 if name == "never" else LONG.get(name, 5.0)
+    result = played(sandboxes[level], source, 2, budget_s=budget_s)
     assert result.scene_ends["s0"].ended is ended and sentence in result.scene_ends["s0"].sentence, (
         result.scene_ends
     )

@@ -73,7 +73,7 @@ class Channel:
     ) -> None:
         self._fd, self._exits, self.lost = fd, exits, False
         self._incoming = open(fd, "rb", closefd=False)  # noqa: SIM115 -- lives as long as the channel
-        self._functions = {TOO_LARGE: _too_large, **exported}
+        self._functions = dict(exported)
         self._passed = self._received = self._open = self._raised = 0
         self._exception: BaseException | None = (
             None  # the last one that a function of this end raised, number ``_raised``
@@ -122,6 +122,8 @@ class Channel:
 
     def _answer(self, target: str | int, values: tuple[Any, ...], named: dict[str, Any]) -> None:
         try:
+            if target == TOO_LARGE:
+                raise ValueError(NO_ROOM)
             if (function := self._functions.get(target)) is None:
                 raise RuntimeError("a function was called after the call that passed it")
             frame = self._pack("return", function(*values, **named))
@@ -273,10 +275,6 @@ class Channel:
         if not valid or at != len(raw):
             raise ValueError("not a message")
         return [kind, *values]
-
-
-def _too_large() -> None:
-    raise ValueError(NO_ROOM)
 
 
 def _is_result(value: dict[Any, Any]) -> bool:

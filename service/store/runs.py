@@ -16,11 +16,12 @@ from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.artefacts import insert_artefacts
 from service.store.database import Connection, Database, Row
-from service.store.queue import KNOWN_SLOW, PERSON_LOCK, lock_persons, send_gradings, send_next
+from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
 
 CHANNEL = "polhode"
 # ends a notification about a grading that goes on: a request that waits for its result need not look
 PROGRESS = " progress"
+LONGEST_WAIT = "10 minutes"  # that a slow grading is put off for others
 MAX_FAILED_RUNS = 2  # a run that failed is repeated once; one that was lost, up to ``max_runs`` in all
 
 
@@ -39,12 +40,13 @@ class GradingJob:
 class Claim(GradingJob):
     """A grading that a worker has claimed, with the id of its run and the name of the worker.
 
-    ``slow`` says that an earlier run of the same content was slow.
+    ``may_wait`` says that it was requested less than LONGEST_WAIT ago: then it is put off while it is slow
+    and others wait.
     """
 
     run: UUID
     worker: str
-    slow: bool = False
+    may_wait: bool = False
 
 
 async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
@@ -61,7 +63,7 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
     if found.given_up:
         await _record_fault(database, grading, found.submission_id)
         return None
-    return Claim(**_job_fields(grading, found), run=new_run, worker=worker, slow=found.slow)
+    return Claim(**_job_fields(grading, found), run=new_run, worker=worker, may_wait=found.may_wait)
 
 
 async def _record_fault(database: Database, grading: UUID, submission_id: UUID) -> None:
@@ -181,7 +183,7 @@ async def notify_in(connection: Connection, submission_id: UUID, suffix: str = "
 
 _GRADING = f"""
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
-    {KNOWN_SLOW} AS slow,
+    now() - a.requested_at < interval '{LONGEST_WAIT}' AS may_wait,
     r.grading_id IS NOT NULL AS finished,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'lost') AS lost,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'failed') AS failed

@@ -253,7 +253,7 @@ class Worker:
             await asyncio.sleep(self._heartbeat_s)
             with _suppress_outages():
                 goes_on = await runs.heartbeat(self._database, claimed, *self._progress)
-                if goes_on and time.monotonic() > slow_at and not claimed.slow and self._app is not None:
+                if goes_on and time.monotonic() > slow_at and claimed.may_wait and self._app is not None:
                     goes_on = not await first_gradings_wait(self._app)
                 if not goes_on:
                     cancelled.set()

@@ -1,4 +1,4 @@
-"""The queue: nobody occupies all workers, what is slow waits last and only once, and a job ends once."""
+"""The queue: nobody occupies all workers, what is slow waits last, and a job ends once."""
 
 import asyncio
 from uuid import UUID
@@ -129,7 +129,9 @@ def test_a_run_that_is_put_off_counts_as_no_failure_and_the_next_moves_up(databa
         assert take(database_url, FIRST, LATER) == second[0]
         sql(database_url, "UPDATE procrastinate_jobs SET status = 'todo' WHERE queue_name = %s", FIRST)
         sql(database_url, "UPDATE procrastinate_jobs SET priority = 3000 WHERE queue_name = %s", SLOW)
-    assert claim(database_url, first[0]).slow, "and is not put off again"
+    assert claim(database_url, first[0]).may_wait
+    sql(database_url, "UPDATE grading SET requested_at = now() - interval '11 minutes'")
+    assert not claim(database_url, first[0]).may_wait, "and runs to its end"
     assert sql(database_url, "SELECT count(*) FROM result") == [(0,)]
 
 

@@ -23,6 +23,7 @@ from service.grading.quoting import StudentCode
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
 SINGLE_PRECISION = 1e-5  # greatest relative error of values that are too few digits
 DIGITS = range(1, 11)
+NEARLY_ONE = 1e-3  # a factor that differs less from 1 is no factor but an error of another kind
 
 
 class Rank(IntEnum):
@@ -70,10 +71,15 @@ def wrong_components(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -
     """Return the components of an answer that are not exact, none if it is not compared with exact values of
     the same shapes.
     """
-    values = {value["name"]: value for value in question["returns"]}
-    if not all(name in seen and name in truth and seen[name].shape == truth[name].shape for name in values):
+    if not _has_exact_values(question, seen, truth):
         return []
+    values = {value["name"]: value for value in question["returns"]}
     return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth)]
+
+
+def _has_exact_values(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> bool:
+    names = [value["name"] for value in question["returns"]]
+    return all(name in seen and name in truth and seen[name].shape == truth[name].shape for name in names)
 
 
 def causes(
@@ -89,9 +95,10 @@ def causes(
     functions as often as the submission comes before one that does not.
     """
     exact = {v for v, arrays in predicted.items() if reproduces(question, seen, arrays)}
-    if not exact:
+    if wrong and not exact:
         exact = {v for v, arrays in predicted.items() if reproduces(question, seen, _without_calls(arrays))}
-    found = {WHOLE: {_of(variant) for variant in exact}}
+    is_right = not wrong and _has_exact_values(question, seen, truth)  # only its calls are too many
+    found = {WHOLE: {_of(variant) for variant in exact if variant.declared or not is_right}}
     values = {value["name"]: value for value in question["returns"]}
     for component in wrong:
         value = values[component.name]
@@ -102,8 +109,10 @@ def causes(
             and _agree(value, component, seen, arrays)
             and not _agree(value, component, arrays, truth)
         }
-        found[component] = alike | set(_readings(question, component, seen, truth))
-    if wrong and len(values) == 1:
+        found[component] = alike
+        if not question.get("call"):  # an author's expression is no value that the student knows
+            found[component] |= set(_readings(question, component, seen, truth))
+    if wrong and len(values) == 1 and not question.get("call"):
         (name,) = values
         found[WHOLE] |= set(_readings(question, Component(name, None, ""), seen, truth))
     return found
@@ -216,8 +225,7 @@ def _readings(
     """Yield what the numbers of a component are, other than the exact ones."""
     got, want = component.of(seen[component.name]), component.of(truth[component.name])
     is_whole = not component.label
-    whose = "the checked value" if question.get("call") else question["function"]
-    what = whose if is_whole else f"{component.label} of {whose}"
+    what = question["function"] if is_whole else f"{component.label} of {question['function']}"
 
     def cause(code: str, sentence: str, rank: Rank = Rank.READ) -> Cause:
         return Cause(rank, (code,), (sentence,))
@@ -241,7 +249,7 @@ def _readings(
         yield cause("units", f"{what} is in degrees: the exercise asks for radians")
     if is_(np.radians(want)):
         yield cause("units", f"{what} is converted from degrees to radians, which it was already")
-    for name in question["drawn"] if not question.get("call") else ():
+    for name in question["drawn"]:
         given = _at(seen.get(f"at_{name}"), component.at)
         if given is not None and is_(given):
             yield cause("returns-input", f"{what} is the argument {name} itself")
@@ -266,6 +274,8 @@ def _factor(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
     if not large.any() or np.ptp(want[large]) == 0:
         return 0.0
     factor = float(np.median(got[large] / want[large]))
+    if abs(factor - 1) < NEARLY_ONE:
+        return 0.0
     return factor if np.allclose(got, factor * want, rtol=1e-9, atol=1e-9 * np.abs(want).max()) else 0.0
 
 

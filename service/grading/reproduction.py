@@ -68,8 +68,12 @@ def diagnose_question(
             known[kind] = differing
         return known[kind]
 
+    has_wrong_values = any(
+        wrong_components(s.question, arrays[s.name], played.truths[s.name]) for s in scenes if s.question
+    )
+    kinds = {"single": assignment.variants} | ({"double": assignment.pairs} if has_wrong_values else {})
     try:
-        for kind, versions in (("single", assignment.variants), ("double", assignment.pairs)):
+        for kind, versions in kinds.items():
             if found := _explained(scenes, played, versions(id), functools.partial(predict, kind)):
                 return found
     except (_NotKnown, TooBusy):

@@ -19,11 +19,9 @@ from ecp.kinds.values import agreement
 from ecp.outcome import Diagnosis
 from exercises.solution import Variant
 from service.grading.quoting import StudentCode
+from service.grading.readings import constant_factor, numbers_at, too_few_digits
 
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
-SINGLE_PRECISION = 1e-5  # greatest relative error of values that are too few digits
-DIGITS = range(1, 11)
-NEARLY_ONE = 1e-3  # a factor that differs less from 1 is no factor but an error of another kind
 
 
 class Rank(IntEnum):
@@ -243,50 +241,15 @@ def _readings(
     if is_(-want):
         code, rank = ("sign-reversed", Rank.MULTIPLE) if is_whole else ("sign-flipped", Rank.READ)
         yield cause(code, f"{what} has the opposite sign", rank)
-    elif factor := _factor(got, want):
+    elif factor := constant_factor(got, want):
         yield cause("constant-factor", f"{what} is {factor:.6g} times the right value", Rank.MULTIPLE)
     if is_(np.degrees(want)):
         yield cause("units", f"{what} is in degrees: the exercise asks for radians")
     if is_(np.radians(want)):
         yield cause("units", f"{what} is converted from degrees to radians, which it was already")
     for name in question["drawn"]:
-        given = _at(seen.get(f"at_{name}"), component.at)
+        given = numbers_at(seen.get(f"at_{name}"), component.at)
         if given is not None and is_(given):
             yield cause("returns-input", f"{what} is the argument {name} itself")
-    if too_few := _too_few_digits(got, want):
+    if too_few := too_few_digits(got, want):
         yield cause("precision-loss", f"{what} {too_few}")
-
-
-def _at(given: NDArray[Any] | None, at: int | None) -> NDArray[Any] | None:
-    """Return the drawn numbers of an argument, or those at an index of it, None if it has none there."""
-    if given is None or given.dtype.kind not in "fiu":
-        return None
-    if at is None:
-        return given
-    return given[:, at] if given.ndim == 2 and at < given.shape[1] else None
-
-
-def _factor(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
-    """Return the constant by which all values, at least two different ones, are multiplied; 0.0 if there is
-    none.
-    """
-    large = np.abs(want) > 1e-3 * np.abs(want).max()
-    if not large.any() or np.ptp(want[large]) == 0:
-        return 0.0
-    factor = float(np.median(got[large] / want[large]))
-    if abs(factor - 1) < NEARLY_ONE:
-        return 0.0
-    return factor if np.allclose(got, factor * want, rtol=1e-9, atol=1e-9 * np.abs(want).max()) else 0.0
-
-
-def _too_few_digits(got: NDArray[np.float64], want: NDArray[np.float64]) -> str:
-    """Return how values were rounded: "is rounded to 3 decimals", or "" if they were not."""
-    for digits in DIGITS:
-        if np.array_equal(got, np.round(got, digits)) and np.allclose(
-            got, want, rtol=0, atol=0.6 * 10.0**-digits
-        ):
-            return f"is rounded to {digits} decimals"
-    near = np.allclose(got, want, rtol=SINGLE_PRECISION, atol=SINGLE_PRECISION * np.abs(want).max())
-    if near and np.array_equal(got, got.astype(np.float32)):
-        return "has the digits of single precision (float32)"
-    return ""

@@ -13,8 +13,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ecp.checks import Check
 from ecp.exercise import Exercise
 from ecp.kinds import exercise as expand_exercise
@@ -22,6 +20,7 @@ from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment, Scene, Sweep
 from exercises.author_notebook import Cell, InvalidNotebook
+from exercises.authoring.draws import with_ends
 from exercises.declared import Draw, Family, Itself, Mistake, Value
 from exercises.publish import Section
 from exercises.question import Question
@@ -55,19 +54,6 @@ PLAYS = "\nfrom ecp.kinds import play\n"
 def uniform(low: float, high: float, *shape: int) -> Draw:
     """Return a draw of a number, or of an array of ``shape``, between ``low`` and ``high``."""
     return lambda rng: rng.uniform(low, high, shape or None)
-
-
-def with_ends(low: float, high: float, *, log: bool = False) -> Draw:
-    """Return a draw of a number from ``low`` to ``high``, each end in a fifth of cases; with ``log`` uniform
-    in its logarithm.
-    """
-
-    def draw(rng: np.random.Generator) -> float:
-        part = rng.uniform(-1 / 3, 4 / 3)
-        inside = low * (high / low) ** part if log else low + (high - low) * part
-        return min(max(inside, low), high)
-
-    return draw
 
 
 def normal(*shape: int) -> Draw:

@@ -132,7 +132,11 @@ def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
     kit's installation.
     """
     start, end = _setup_region(cells, names)
-    taken = [_python(cell) for cell in cells[start:end] if cell.kind == "code" and INSTALL not in cell.tags]
+    taken = [
+        python_of(cell.source) or ""
+        for cell in cells[start:end]
+        if cell.kind == "code" and INSTALL not in cell.tags
+    ]
     return "\n\n".join(text.strip("\n") for text in taken) + "\n"
 
 
@@ -154,6 +158,11 @@ def given_constants(cells: Sequence[Cell], names: Collection[str]) -> str:
     return "".join(f"\n{text}" for text in taken)
 
 
+def setup_with_constants(cells: Sequence[Cell], names: Collection[str]) -> str:
+    """Return the Setup, and behind it the constants of given cells."""
+    return setup(cells, names) + given_constants(cells, names)
+
+
 def _setup_region(cells: Sequence[Cell], names: Collection[str]) -> tuple[int, int]:
     """Return the first cell of the Setup and the one behind its last."""
     marked = [
@@ -167,10 +176,6 @@ def _setup_region(cells: Sequence[Cell], names: Collection[str]) -> tuple[int, i
         if cell.is_solution(names) or any(other <= level for other, _ in cell.headings):
             return first + 1, at
     return first + 1, len(cells)
-
-
-def _python(cell: Cell) -> str:
-    return python_of(cell.source) or ""
 
 
 def _is_constant(node: ast.AST) -> bool:

@@ -92,11 +92,11 @@ def made_samples(
     made: list[Any] = []
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
-            others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
-            source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
             if any(mistake is one for one in made):  # in another case of the function
                 continue
             made += [mistake] if isinstance(question.solution, NotebookSolution) else []
+            others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
+            source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
             about = (mistake.code or "no_code").replace("-", "_")
             yield MadeSample(
                 f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code

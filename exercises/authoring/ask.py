@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ecp.outcome import Tolerance
-from exercises.authoring.asked import Asked, Case, DeclarationError, RightHandSide, Step
+from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.draws import JointDraw, between
 from exercises.authoring.solutions import NoSolution, NotebookSolution, Solutions
@@ -49,23 +49,16 @@ class Ask:
         ``returns`` names the values of a returned tuple in order, or with ``keys`` those of a dict. ``calls``
         limits the calls of the function arguments.
         """
-
-        def make(inputs: dict[str, Any], agree: Any, truth: Any, case: Case, uses: list[Any]) -> Question:
-            return values(
-                asked.solution,
-                inputs,
-                agree,
-                truth=truth,
-                calls=calls,
-                call=case.call,
-                keys=keys,
-                rows=case.rows,
-                uses=uses,
-                budget_s=budget_s,
-            )
-
-        asked = self._asked(name, make, inputs, tuple(returns.split()), share)
-        return asked
+        return self._asked(
+            values,
+            name,
+            inputs,
+            tuple(returns.split()),
+            share,
+            calls=calls,
+            keys=keys,
+            budget_s=budget_s,
+        )
 
     def right_hand_side(
         self,
@@ -81,7 +74,7 @@ class Ask:
         most_calls: int = 20_000,
         share: float = 1.0,
         budget_s: float = 5.0,
-    ) -> RightHandSide:
+    ) -> Asked:
         """Ask for the right-hand side of an ordinary differential equation: its values at points, and with
         ``until`` its motion to that time, which agrees with the exact one to ``follow``.
 
@@ -89,27 +82,21 @@ class Ask:
         drift. ``scale`` is the typical size of the state. The time of the points is drawn unless a case
         gives it.
         """
-
-        def make(inputs: dict[str, Any], agree: Any, truth: Any, case: Case, uses: list[Any]) -> Question:
-            return ode(
-                asked.solution,
-                inputs,
-                agree,
-                truth=truth,
-                t_end=until,
-                follow=follow,
-                motion=asked.closed_form,
-                conserved=conserved,
-                time=time,
-                state=state,
-                scale=scale,
-                most_calls=most_calls,
-                rows=case.rows,
-                uses=uses,
-                budget_s=budget_s,
-            )
-
-        asked = self._asked(name, make, inputs, (), share, kind=RightHandSide)
+        asked = self._asked(
+            ode,
+            name,
+            inputs,
+            (),
+            share,
+            t_end=until,
+            follow=follow,
+            conserved=conserved,
+            time=time,
+            state=state,
+            scale=scale,
+            most_calls=most_calls,
+            budget_s=budget_s,
+        )
         asked.defaults = {time: between(0.0, until or 1.0)}
         return asked
 
@@ -128,7 +115,7 @@ class Ask:
         step: str = "h",
         share: float = 1.0,
         budget_s: float = 5.0,
-    ) -> Step:
+    ) -> Asked:
         """Ask for one step of an integration method, which returns the new ``state``, such as "x v".
 
         ``order`` is the order of convergence and how far below it the observed one may be, ``stable_to`` the
@@ -136,29 +123,22 @@ class Ask:
         speed against accuracy: the time that a motion takes. Numbers come with their tolerance.
         """
         states = tuple(state.split())
-
-        def make(inputs: dict[str, Any], agree: Any, truth: Any, case: Case, uses: list[Any]) -> Question:
-            return stepper(
-                asked.solution,
-                inputs,
-                agree,
-                truth=truth,
-                calls=calls,
-                order=order,
-                rates=asked.derivatives,
-                stability=stable_to,
-                test=test,
-                chart=chart,
-                time=time,
-                step=step,
-                state=states[0],
-                rows=case.rows,
-                uses=uses,
-                budget_s=budget_s,
-            )
-
-        asked = self._asked(name, make, inputs, states if len(states) > 1 else (), share, kind=Step)
-        return asked
+        return self._asked(
+            stepper,
+            name,
+            inputs,
+            states if len(states) > 1 else (),
+            share,
+            calls=calls,
+            order=order,
+            stability=stable_to,
+            test=test,
+            chart=chart,
+            time=time,
+            step=step,
+            state=states[0],
+            budget_s=budget_s,
+        )
 
     def samples(
         self,
@@ -174,23 +154,17 @@ class Ask:
         """Ask for independent samples of a ``distribution`` of scipy.stats with these ``parameters``:
         numbers, or functions of the inputs. Each input is asked ``repetitions`` times.
         """
-
-        def make(inputs: dict[str, Any], case: Case, uses: list[Any], **_: Any) -> Question:
-            return samples(
-                asked.solution,
-                inputs,
-                distribution,
-                call=case.call,
-                repetitions=repetitions,
-                label=" for ".join(filter(None, (name, case.name))),
-                rows=case.rows,
-                uses=uses,
-                budget_s=budget_s,
-                **(parameters or {}),
-            )
-
-        asked = self._asked(name, make, inputs, None, share)
-        return asked
+        return self._asked(
+            samples,
+            name,
+            inputs,
+            None,
+            share,
+            distribution=distribution,
+            repetitions=repetitions,
+            budget_s=budget_s,
+            **(parameters or {}),
+        )
 
     def estimate(
         self,
@@ -210,26 +184,19 @@ class Ask:
 
         ``error``, ``mean_error`` and ``bias`` are those of ``exercises.kinds.random.estimate``.
         """
-
-        def make(inputs: dict[str, Any], truth: Any, case: Case, uses: list[Any], **_: Any) -> Question:
-            return estimate(
-                asked.solution,
-                inputs,
-                truth,
-                sd=sd,
-                error=error,
-                mean_error=mean_error,
-                bias=bias,
-                call=case.call,
-                repetitions=repetitions,
-                label=" for ".join(filter(None, (name, case.name))),
-                rows=case.rows,
-                uses=uses,
-                budget_s=budget_s,
-            )
-
-        asked = self._asked(name, make, inputs, None, share)
-        return asked
+        return self._asked(
+            estimate,
+            name,
+            inputs,
+            None,
+            share,
+            sd=sd,
+            error=error,
+            mean_error=mean_error,
+            bias=bias,
+            repetitions=repetitions,
+            budget_s=budget_s,
+        )
 
     def fit(
         self,
@@ -248,22 +215,20 @@ class Ask:
         """Ask for a fit of ``model(x, *parameters)`` to data with normal noise ``sigma``: its parameters and
         their covariance, whose tolerances are relative to the standard deviations of the parameters.
         """
-
-        def make(uses: list[Any], **_: Any) -> Question:
-            return fit(
-                asked.solution,
-                model,
-                x=x,
-                sigma=sigma,
-                drawn=drawn,
-                agree=(parameters, covariance),
-                absolute_sigma=absolute_sigma,
-                uses=uses,
-                budget_s=budget_s,
-            )
-
-        asked = self._asked(name, make, None, None, share)
-        return asked
+        return self._asked(
+            fit,
+            name,
+            None,
+            None,
+            share,
+            model=model,
+            x=x,
+            sigma=sigma,
+            drawn=drawn,
+            agree=(parameters, covariance),
+            absolute_sigma=absolute_sigma,
+            budget_s=budget_s,
+        )
 
     def symbolic(
         self, name: str, inputs: JointDraw | None = None, *, returns: str = "", share: float = 1.0
@@ -273,12 +238,13 @@ class Ask:
         Its inputs are symbols (``exercises.kinds.expression.symbol``), constants and draws. The truth gets
         numbers for the symbols.
         """
-
-        def make(inputs: dict[str, Any], agree: Any, truth: Any, case: Case, **_: Any) -> Question:
-            return expression(asked.solution, inputs, truth, agree=agree, rows=case.rows)
-
-        asked = self._asked(name, make, inputs, tuple(returns.split()), share)
-        return asked
+        return self._asked(
+            expression,
+            name,
+            inputs,
+            tuple(returns.split()),
+            share,
+        )
 
     def animation(
         self,
@@ -293,12 +259,16 @@ class Ask:
         """Ask for an animation in which something drawn follows the trajectories ``follows``, arguments (n,
         2) or (n, 3) at the times ``time``. ``agree`` is the greatest deviation, relative to the extent.
         """
-
-        def make(inputs: dict[str, Any], **_: Any) -> Question:
-            return animation(asked.solution, inputs, follows.split(), agree, time=time)
-
-        asked = self._asked(name, make, inputs, None, share)
-        return asked
+        return self._asked(
+            animation,
+            name,
+            inputs,
+            None,
+            share,
+            follow=follows.split(),
+            agree=agree,
+            time=time,
+        )
 
     def cell(self, variables: str, *, given: str = "", share: float = 1.0) -> AskedCell:
         """Ask for variables that a solution cell assigns. ``given`` are constants of the notebook that the
@@ -314,21 +284,21 @@ class Ask:
 
     def _asked(
         self,
+        kind: Callable[..., Question],
         name: str,
-        make: Callable[..., Question],
         inputs: JointDraw | None,
         returned: tuple[str, ...] | None,
         share: float,
-        *,
-        kind: type[Any] = Asked,
-    ) -> Any:
-        """Return a new question about the solution ``name``, asked two frames above.
+        **options: Any,
+    ) -> Asked:
+        """Return a new question of a ``kind`` about the solution ``name``, asked two frames above.
 
         ``returned`` are the names of its values, None if the question has no tolerances of values.
+        ``options`` are arguments of the kind that do not depend on the case.
         """
         line = sys._getframe(2).f_lineno
         solution = self._found(self._solutions.function, name, line)
-        asked = kind(solution, line, share, make, inputs, returned, self._partial)
+        asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial)
         self.asked.append(asked)
         return asked
 

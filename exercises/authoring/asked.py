@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from ecp.kinds import asking
 from ecp.outcome import Tolerance
 from exercises.authoring.draws import JointDraw
 from exercises.authoring.solutions import NotebookSolution
 from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import Itself, Mistake, Value
+from exercises.kinds.values import of_expression
 from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 
 Function = Callable[..., Any]
@@ -29,15 +29,15 @@ class Case:
     """Inputs that a solution is asked with; ``name`` follows "is right for" in the label of its checks.
 
     ``call`` is an expression to evaluate instead of calling the solution with its parameters. ``rows`` are
-    the numbers of public and of hidden inputs.
+    the numbers of public and of hidden inputs, by default those of the question's kind.
     """
 
     name: str
-    given: Mapping[str, Any]
-    joint: JointDraw | None
-    call: str | None
-    rows: tuple[int, int]
     line: int
+    joint: JointDraw | None
+    given: Mapping[str, Any] = field(default_factory=dict)
+    call: str | None = None
+    rows: tuple[int, int] | None = None
 
     def inputs(self, parameters: Sequence[str], defaults: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs by parameter, in order: those given by name, ``defaults``, others from the joint
@@ -45,9 +45,9 @@ class Case:
         """
         if self.call is not None:
             return dict(self.given)
-        drawn = self.joint.names if self.joint else ()
-        joint = {name: self.joint[name] for name in parameters if name in drawn} if self.joint else {}
-        found = {**defaults, **joint, **self.given}
+        joint = {name: self.joint[name] for name in self.joint.names} if self.joint else {}
+        drawn = {name: draw for name, draw in joint.items() if name in parameters}
+        found = {**defaults, **drawn, **self.given}
         return {name: found[name] for name in [*parameters, *found] if name in found}
 
 
@@ -131,18 +131,21 @@ class AskedSolution:
 class Asked(AskedSolution):
     """A function or class that an exercise asks for. The author adds cases, a truth, tolerances and mistakes.
 
-    ``make(inputs=, agree=, truth=, case=, uses=)`` returns the question of one case. ``values`` are the names
-    of what the solution returns: none for a single value, None if the question compares no values.
+    ``kind`` is a function of ``exercises.kinds``, called with these ``options`` for each case. ``values`` are
+    the names of what the solution returns: none for a single value, None if the question compares no values.
     ``defaults`` are inputs that cases need not give.
     """
 
-    make: Callable[..., Question]
+    kind: Callable[..., Question]
+    options: Mapping[str, Any]
     joint: JointDraw | None
     values: tuple[str, ...] | None
     partial: bool
     cases: list[Case] = field(default_factory=list, kw_only=True)
     tolerances: dict[str, Tolerance | Value] = field(default_factory=dict, kw_only=True)
     exact: Function | Itself | None = field(default=None, kw_only=True)
+    closed_form: Function | None = field(default=None, kw_only=True)
+    derivatives: Function | None = field(default=None, kw_only=True)
     defaults: dict[str, Any] = field(default_factory=dict, kw_only=True)
 
     def case(
@@ -151,17 +154,21 @@ class Asked(AskedSolution):
         inputs: JointDraw | None = None,
         *,
         call: str | None = None,
-        public: int = PUBLIC_ROWS,
-        hidden: int = HIDDEN_ROWS,
+        public: int | None = None,
+        hidden: int | None = None,
         **given: Any,
     ) -> None:
         """Add a case: the inputs by parameter, or those of a joint draw.
 
         ``call`` is an expression to evaluate instead, such as ``"Pendulum(l, g).period()"``; then the inputs
-        are its names. ``public`` and ``hidden`` are the numbers of inputs.
+        are its names. ``public`` and ``hidden`` are the numbers of inputs, by default those of the question's
+        kind.
         """
+        rows = None
+        if (public, hidden) != (None, None):
+            rows = (PUBLIC_ROWS if public is None else public, HIDDEN_ROWS if hidden is None else hidden)
         line = sys._getframe(1).f_lineno
-        self.cases.append(Case(name, given, inputs or self.joint, call, (public, hidden), line))
+        self.cases.append(Case(name, line, inputs or self.joint, given, call, rows))
 
     def truth(
         self,
@@ -184,6 +191,20 @@ class Asked(AskedSolution):
 
         return decorate if function is None else decorate(function)
 
+    def motion(self, function: Function) -> Function:
+        """Decorate the closed form of a right-hand side's motion: called with times (n,), the state at t = 0
+        and the other inputs that it takes, it returns the first k components of the state (k, n).
+        """
+        self.closed_form = function
+        return function
+
+    def rates(self, function: Function) -> Function:
+        """Decorate the function that returns the derivatives of a step's state in order, if the function
+        argument does not.
+        """
+        self.derivatives = function
+        return function
+
     def is_its_own_truth(self, *, because: str) -> None:
         """Declare that nothing but the right solution can be its truth, and why."""
         self.exact = Itself(because)
@@ -200,7 +221,7 @@ class Asked(AskedSolution):
 
     def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:
         """Return the question of each case; ``uses`` are the earlier solutions that this one calls."""
-        cases = self.cases or [Case("", {}, self.joint, None, (PUBLIC_ROWS, HIDDEN_ROWS), self.line)]
+        cases = self.cases or [Case("", self.line, self.joint)]
         return [self._question(case, uses, several=len(cases) > 1) for case in cases]
 
     def _question(self, case: Case, uses: Sequence[NotebookSolution], several: bool) -> Question:
@@ -209,13 +230,22 @@ class Asked(AskedSolution):
         truth = self.exact
         if case.call is not None and callable(truth):
             truth = of_expression(case.call, self.solution_name, truth, case.given)
-        question = self.make(
-            inputs=case.inputs(parameters, self.defaults),
-            agree=self._agreement(label),
-            truth=truth,
-            case=case,
-            uses=list(uses),
-        )
+        offered: dict[str, Any] = {
+            "ask": case.inputs(parameters, self.defaults),
+            "agree": self._agreement(label),
+            "truth": truth,
+            "motion": self.closed_form,
+            "rates": self.derivatives,
+            "uses": list(uses),
+            "call": case.call,
+        }
+        if self.values is None:
+            offered["label"] = " for ".join(filter(None, (self.solution_name, case.name)))
+        if case.rows is not None:
+            offered["rows"] = case.rows
+        taken = inspect.signature(self.kind).parameters
+        given = {name: value for name, value in offered.items() if name in taken}
+        question = self.kind(self.solution, **{**given, **self.options})
         return replace(question, mistakes=tuple(self.mistakes), line=case.line)
 
     def _agreement(self, label: str) -> Value | dict[str, Value] | None:
@@ -237,32 +267,6 @@ class Asked(AskedSolution):
         }
 
 
-class RightHandSide(Asked):
-    """The right-hand side of an ordinary differential equation."""
-
-    closed_form: Function | None = None
-
-    def motion(self, function: Function) -> Function:
-        """Decorate the closed form of the motion: called with times (n,), the state at t = 0 and the other
-        inputs that it takes, it returns the first k components of the state (k, n).
-        """
-        self.closed_form = function
-        return function
-
-
-class Step(Asked):
-    """One step of an integration method."""
-
-    derivatives: Function | None = None
-
-    def rates(self, function: Function) -> Function:
-        """Decorate the function that returns the derivatives of the state in order, if the function argument
-        does not.
-        """
-        self.derivatives = function
-        return function
-
-
 def labelled(value: Tolerance | Value, label: str, partial: bool) -> Value:
     """Return a tolerance with the label of its check, unless it has one."""
     one = value if isinstance(value, Value) else Value(value)
@@ -281,18 +285,6 @@ def for_each(truth: Function, name: str) -> Function:
         return np.array(answers).reshape(numbers.shape)
 
     return of_array
-
-
-def of_expression(call: str, name: str, truth: Function, given: Mapping[str, Any]) -> Function:
-    """Return the exact value of an expression of the solution ``name``: with the truth in its place."""
-
-    def exact(**values: Any) -> Any:
-        return asking.evaluate(call, values | {name: truth})
-
-    exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in given]
-    )
-    return exact
 
 
 def _members(family: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:

@@ -147,7 +147,7 @@ class _WithGivenCells(author.Notebook):
 
     def setup_of(self, cells: list[Cell], names: list[str]) -> str:
         """Return the Setup."""
-        return super().setup_of(cells, names) + author_notebook.given_constants(cells, names)
+        return author_notebook.setup_with_constants(cells, names)
 
 
 def _uses(asked: Asked | AskedCell, earlier: dict[str, NotebookSolution]) -> list[NotebookSolution]:

@@ -41,8 +41,7 @@ class NotebookSolution:
 class Solutions:
     """The solutions in the ``cells`` of the author's notebook in ``folder``.
 
-    ``setup`` is the source that runs before them: Setup and the constants of given cells. ``asked`` are the
-    names that questions ask for.
+    ``asked`` are the names that questions ask for.
     """
 
     def __init__(self, cells: Sequence[Cell], folder: Path) -> None:
@@ -88,16 +87,10 @@ class Solutions:
             for statement in statements_of(cell.source)
             if isinstance(statement.node, (*DEFINITION, ast.Import, ast.ImportFrom))
         ]
-        for text in (self.setup, *definitions):
+        setup = author_notebook.setup_with_constants(self.cells, self.asked)
+        for text in (setup, *definitions):
             exec(compile(text, str(self.folder / "notebook"), "exec"), found)
         return found
-
-    @property
-    def setup(self) -> str:
-        """The Setup, and the constants and functions of given cells behind it that need no solution."""
-        return author_notebook.setup(self.cells, self.asked) + author_notebook.given_constants(
-            self.cells, self.asked
-        )
 
     @functools.cached_property
     def _code(self) -> list[Cell]:

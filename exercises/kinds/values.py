@@ -1,7 +1,7 @@
 """Questions about the values of a function at points."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -67,17 +67,25 @@ def other_inputs(question: Question, call: str, label: str, **ask: Any) -> Quest
     contains its answer for a drawn size. Exact is its value with the truth in place of the solution.
     ``label`` follows "NAME is right".
     """
-    name, truth = question.function, question.truth
-
-    def exact(**given: Any) -> Any:
-        return asking.evaluate(call, given | {name: truth})
-
-    exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in ask]
-    )
+    name = question.function
     several, labelled = len(question.values) > 1, f"{name} is right {label}"
     found = {
         n: replace(value, label=f"{labelled}: {n}" if several else labelled)
         for n, value in question.values.items()
     }
+    exact = of_expression(call, name, question.truth, ask)
     return replace(question, ask=ask, values=found, truth=exact, call=call)
+
+
+def of_expression(call: str, name: str, truth: Any, given: Iterable[str]) -> Callable[..., Any]:
+    """Return the truth of an expression of the function ``name`` and the arguments ``given``: its value with
+    the function's ``truth`` in place of the function.
+    """
+
+    def exact(**values: Any) -> Any:
+        return asking.evaluate(call, values | {name: truth})
+
+    exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in given]
+    )
+    return exact

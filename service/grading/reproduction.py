@@ -68,13 +68,15 @@ def diagnose_question(
             known[kind] = differing
         return known[kind]
 
-    has_wrong_values = any(
-        wrong_components(s.question, arrays[s.name], played.truths[s.name]) for s in scenes if s.question
-    )
-    kinds = {"single": assignment.variants} | ({"double": assignment.pairs} if has_wrong_values else {})
+    wrong = {
+        s.name: wrong_components(s.question, arrays[s.name], played.truths[s.name])
+        for s in scenes
+        if s.question is not None
+    }
+    kinds = {"single": assignment.variants} | ({"double": assignment.pairs} if any(wrong.values()) else {})
     try:
         for kind, versions in kinds.items():
-            if found := _explained(scenes, played, versions(id), functools.partial(predict, kind)):
+            if found := _explained(scenes, played, wrong, versions(id), functools.partial(predict, kind)):
                 return found
     except (_NotKnown, TooBusy):
         pass
@@ -84,29 +86,30 @@ def diagnose_question(
 def _explained(
     scenes: Sequence[Scene],
     played: PlayedJob,
+    wrong: Mapping[str, Sequence[Component]],
     versions: Sequence[Variant],
     predict: Callable[[Scene, Sequence[Variant]], Predictions],
 ) -> list[Diagnosis]:
     """Return the diagnoses of the scenes' arrays by versions of the right solution, or by what the arrays
-    are.
+    are. ``wrong`` are the wrong components of each scene.
     """
+    if not scenes:
+        return []
     used = list[str]()
     left: dict[Component, set[Cause]] = {}
     public: tuple[list[Diagnosis], tuple[str, ...]] = ([], ())
-    sources = [cell.source for cell in played.job.cells]
+    student = StudentCode([cell.source for cell in played.job.cells], scenes[0].function)
     for scene in scenes:
         assert scene.question is not None
         used.append(scene.name)
         seen, truth = played.result.arrays[scene.name], played.truths[scene.name]
-        wrong = wrong_components(scene.question, seen, truth)
-        chosen = _chosen(versions[1:], left, wrong)
+        chosen = _chosen(versions[1:], left, wrong[scene.name])
         predicted = predict(scene, [*versions[:1], *chosen]) if chosen else {}
-        found = causes(scene.question, seen, truth, predicted, wrong)
+        found = causes(scene.question, seen, truth, predicted, wrong[scene.name])
         left = {part: left[part] & of if part in left else of for part, of in {**left, **found}.items()}
-        student = StudentCode(sources, scene.function)
         if not callable(scene.inputs):
             public = diagnoses(left, student), tuple(used)
-    given = diagnoses(left, student) if scenes else []
+    given = diagnoses(left, student)
     return with_scenes(given, public[1] if given == public[0] else used)
 
 

@@ -7,7 +7,6 @@ import pytest
 from service.grading.submission import Submission
 from service.store.records import NewSubmission
 from service.store.submissions import accept
-from tests.support.app import App
 from tests.support.database import entered, run
 from tests.support.submissions import grade_really
 
@@ -42,20 +41,13 @@ def path(url, sandbox):
     return run(url, sent)
 
 
-@pytest.fixture(scope="module")
-def server(url):
-    started = App(database_url=url)
-    yield started
-    started.stop()
-
-
 @pytest.fixture
-def shown(page, server, url, path):
+def shown(page, application, url, path):
     """``shown(width)`` is the page in a browser, with all of its pictures."""
 
     def opened(width):
         new = page(width=width, reduced_motion="reduce")
-        new.goto(f"{server.url}/login?next={path}")
+        new.goto(f"{application.url}/login?next={path}")
         new.get_by_label("Token from your course").fill(entered(url, "ann", None))
         new.get_by_role("button", name="Log in").click()
         new.locator("figure.motion canvas").first.wait_for()

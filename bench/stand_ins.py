@@ -14,6 +14,7 @@ import numpy as np
 from exercises.catalogue import assignments
 from service.grading import rendering
 from service.grading.grade import grade
+from service.grading.grader import SweepFailed
 from service.grading.submission import Submission
 from service.sandbox.result import Cancelled
 from service.sandbox.sandbox import Sandbox
@@ -22,6 +23,7 @@ from service.settings import Settings
 from service.workers import pool
 from service.workers.worker import Worker
 
+LONGEST_S = 180.0  # more than any wait
 SOURCE = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 
 
@@ -51,9 +53,17 @@ def be_workers(recorded: Path, seconds: Callable[[Submission, int], float]) -> N
             raise Cancelled
         return report, {"arrays.npz": np.random.default_rng().bytes(size)}
 
+    def sweep_and_draw(*_: object) -> tuple[str, bytes]:
+        raise SweepFailed("a stand-in measures nothing")
+
     async def start(worker: Worker) -> bool:
         sandbox = types.SimpleNamespace(cancelled=cancelled, replaced=0, close=lambda: None)
-        worker._grader = types.SimpleNamespace(grade_and_pack=grade_and_pack, sandbox=sandbox)  # type: ignore[assignment]
+        worker._grader = types.SimpleNamespace(  # type: ignore[assignment]
+            grade_and_pack=grade_and_pack,
+            sweep_and_draw=sweep_and_draw,
+            longest_s=lambda slug: LONGEST_S,
+            sandbox=sandbox,
+        )
         worker._isolation = "none"
         return True
 

@@ -26,7 +26,7 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 	@$(INSTALL) --require-hashes -r requirements/runtime.lock
 	@$(INSTALL) --no-deps --no-build-isolation -e .
 	@chmod -R o+rX exercises/kit service/sandbox/guest  # a sandbox that root starts reads them as another user
-	@rm -rf .venv/lib/python3*/site-packages/ecp .venv/lib/python3*/site-packages/service  # hatch's copies of editable packages
+	@rm -rf .venv/lib/python3*/site-packages/polhode .venv/lib/python3*/site-packages/service  # hatch's copies of editable packages
 	@touch $@
 
 .venv/tests: .venv/runtime requirements/test.lock

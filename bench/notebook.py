@@ -69,10 +69,10 @@ def executed() -> tuple[float, float]:
     import mpl_toolkits.mplot3d.art3d  # noqa: F401 -- imports are warm in a guest, too
     import scipy.integrate  # noqa: F401
 
-    import ecp
-    from ecp import animate
+    import polhode
+    from polhode import animate
 
-    ecp.check = ecp.submit = lambda *args, **kwargs: None
+    polhode.check = polhode.submit = lambda *args, **kwargs: None
     cells = [
         cell for cell in json.loads(FILE.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"
     ]

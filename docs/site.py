@@ -74,7 +74,7 @@ def reference_pages() -> dict[str, str]:
         "checks": checks(),
         "diagnoses": diagnoses(),
         "physics": modules("The package `reference`", PHYSICS, ROOT / "reference"),
-        "kit": modules("The students' kit `ecp`", KIT, ROOT / "exercises/kit/ecp", KIT_MODULES),
+        "kit": modules("The students' kit `polhode`", KIT, ROOT / "exercises/kit/polhode", KIT_MODULES),
         "author": modules("The package `exercises.author`", AUTHOR, ROOT / "exercises", AUTHOR_MODULES),
     }
 

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecp.checks import Arrays, Check
-from ecp.exercise import Exercise, points
-from ecp.outcome import Diagnosis, SweepResult
-from ecp.report import out_of
+from polhode.checks import Arrays, Check
+from polhode.exercise import Exercise, points
+from polhode.outcome import Diagnosis, SweepResult
+from polhode.report import out_of
 
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
@@ -60,8 +60,8 @@ class Scene:
     ``function`` may also name a variable of the submission, see ``Exercise``. ``play`` may use further names
     of the submission if they are in ``needs``: the scene is played only if all of them are defined.
 
-    The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs
-    run along its rows in their first index.
+    The scene of a ``question`` (polhode.kinds) is played by ``play(question, student, inputs)``, and its
+    inputs run along its rows in their first index.
 
     Inputs that are ``withheld`` stay on the host: only ``truth`` gets them.
     """

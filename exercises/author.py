@@ -13,10 +13,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ecp.checks import Check
-from ecp.exercise import Exercise
-from ecp.kinds import exercise as expand_exercise
-from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment, Scene, Sweep
 from exercises.author_notebook import Cell, InvalidNotebook
@@ -26,6 +22,10 @@ from exercises.publish import Section
 from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
 from exercises.validation_cells import Line, line_errors, published_cells, reported_exercises
+from polhode.checks import Check
+from polhode.exercise import Exercise
+from polhode.kinds import exercise as expand_exercise
+from polhode.outcome import Tolerance
 
 if TYPE_CHECKING:
     from exercises.mistakes import MadeSample
@@ -47,7 +47,7 @@ __all__ = [
 ]
 
 
-PLAYS = "\nfrom ecp.kinds import play\n"
+PLAYS = "\nfrom polhode.kinds import play\n"
 """The functions that play the scenes of questions, which are data."""
 
 
@@ -75,7 +75,7 @@ def family(text: str, *over: str, **given: Any) -> Family:
     """Return a function argument: the expression ``text`` over the variables ``over``.
 
     ``given`` are its parameters: constants, or draws. The expression may use the functions of
-    ``ecp.kinds.asking.MATHEMATICS``.
+    ``polhode.kinds.asking.MATHEMATICS``.
 
     >>> family("E - e*sin(E) - M", "E", M=uniform(0.01, 3.1), e=0.3).over
     ('E',)

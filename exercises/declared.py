@@ -12,9 +12,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from ecp.checks import MOST_POINTS
-from ecp.kinds.alignment import UP_TO
-from ecp.outcome import Tolerance
+from polhode.checks import MOST_POINTS
+from polhode.kinds.alignment import UP_TO
+from polhode.outcome import Tolerance
 
 ARGUMENTS = "fiubU"  # kinds of dtype
 
@@ -137,7 +137,7 @@ class Itself:
 @dataclass(frozen=True)
 class Value:
     """A value that a function returns: its tolerance, its label, and what it leaves ``up_to``
-    (ecp.kinds.alignment).
+    (polhode.kinds.alignment).
 
     ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns
     the points times the fraction of inputs that are right, rounded down.

@@ -10,13 +10,13 @@ from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-import ecp
-from ecp.data_files import MODULES
+import polhode
 from exercises.author_notebook import Cell
 from exercises.validation import REPLACEABLE
+from polhode.data_files import MODULES
 
 DATA_FILE = re.compile(r"(?!\.)[\w\-. ]+\.(csv|txt|dat|tsv|npy|npz|json|h5|fits)")
-AVAILABLE = {"ecp", "numpy", "scipy", "matplotlib", "mpl_toolkits"}
+AVAILABLE = {"polhode", "numpy", "scipy", "matplotlib", "mpl_toolkits"}
 
 
 def dependencies(
@@ -26,9 +26,9 @@ def dependencies(
     belong beside it by name, and warnings about what is missing. Data files are those in ``folder`` that the
     code names.
 
-    ``course`` is a folder with modules that the notebooks of the course import as ``ecp.NAME``; those that
-    the kit lacks, or that replace a module of the kit, become files of the assignment, with the modules that
-    they import.
+    ``course`` is a folder with modules that the notebooks of the course import as ``polhode.NAME``; those
+    that the kit lacks, or that replace a module of the kit, become files of the assignment, with the modules
+    that they import.
     """
     nodes, own = [node for cell in cells for node in cell.nodes], set[str]()
     texts = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
@@ -46,7 +46,7 @@ def dependencies(
             nodes += ast.walk(ast.parse(files[f"{MODULES}/{name}.py"]))
         own |= added
     imported = _imported(nodes)
-    absent = sorted(name for name in imported - {f"ecp.{name}" for name in own} if _is_missing(name))
+    absent = sorted(name for name in imported - {f"polhode.{name}" for name in own} if _is_missing(name))
     remedy = (
         "the cells that import it fail"
         if course
@@ -65,41 +65,41 @@ def dependencies(
 
 
 def _imported(nodes: Sequence[ast.AST]) -> set[str]:
-    """Return the modules, and the names of ``ecp``, that the code imports. Relative imports are those of a
-    module of ``ecp``.
+    """Return the modules, and the names of ``polhode``, that the code imports. Relative imports are those of
+    a module of ``polhode``.
     """
     found = set[str]()
     for node in nodes:
         if isinstance(node, ast.Import):
             found |= {name.name for name in node.names}
         elif isinstance(node, ast.ImportFrom):
-            module = ".".join(["ecp"] * node.level + ([node.module] if node.module else []))
-            found |= {f"ecp.{name.name}" for name in node.names} if module == "ecp" else {module}
+            module = ".".join(["polhode"] * node.level + ([node.module] if node.module else []))
+            found |= {f"polhode.{name.name}" for name in node.names} if module == "polhode" else {module}
     return found
 
 
 def _own(modules: set[str], course: Path) -> set[str]:
     """Return the names of the modules in ``course`` that stand for these ``modules``."""
-    names = {module.split(".")[1] for module in modules if module.startswith("ecp.")}
+    names = {module.split(".")[1] for module in modules if module.startswith("polhode.")}
     return {
         name
         for name in names
-        if (name in REPLACEABLE or _is_missing(f"ecp.{name}")) and (course / f"{name}.py").is_file()
+        if (name in REPLACEABLE or _is_missing(f"polhode.{name}")) and (course / f"{name}.py").is_file()
     }
 
 
 def _is_missing(module: str) -> bool:
     first, _, name = module.partition(".")
-    return first == "ecp" and bool(name) and not hasattr(ecp, name) and find_spec(module) is None
+    return first == "polhode" and bool(name) and not hasattr(polhode, name) and find_spec(module) is None
 
 
 def _aliases(nodes: Sequence[ast.AST]) -> Iterator[str]:
     """Yield a warning for each other name of ``validate`` or of its functions, whose calls are not found."""
     for node in (node for node in nodes if isinstance(node, ast.ImportFrom)):
         for name in node.names:
-            if (node.module, name.name) == ("ecp", "validate") and name.asname not in (None, "validate"):
+            if (node.module, name.name) == ("polhode", "validate") and name.asname not in (None, "validate"):
                 yield f"the notebook calls validate {name.asname}: calls under that name are not taken over"
-            elif node.module == "ecp.validate":
+            elif node.module == "polhode.validate":
                 yield (
                     f"the notebook imports validate.{name.name} by its own name: calls under it are not taken"
                     " over"

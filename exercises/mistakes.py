@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ecp.judge import Verdict
 from exercises import author_notebook
 from exercises.authoring.solutions import NotebookSolution
 from exercises.mutation import pairs, variants
@@ -15,6 +14,7 @@ from exercises.question import Question
 from exercises.samples import codes
 from exercises.solution import Variant
 from exercises.validation_cells import LINE
+from polhode.judge import Verdict
 
 
 def variants_of(question: Question, before: str) -> list[Variant]:

@@ -13,27 +13,27 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ecp.exercise import Exercise
-from ecp.notebook.cells import DEFINITION, python_of, statements_of
-from ecp.notebook.names import names_in
 from exercises.author_notebook import SOLUTION, Cell, with_ids
 from exercises.question import Question
 from exercises.validation_cells import Line
+from polhode.exercise import Exercise
+from polhode.notebook.cells import DEFINITION, python_of, statements_of
+from polhode.notebook.names import names_in
 
 KERNEL = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
     "language_info": {"name": "python"},
 }
 NOTE = """\
-**Install the course kit.** The next cell installs it from the course server; it is imported as `ecp`.
-The package of that name on the public index is unrelated: never type `pip install ecp`.
+**Install the course kit.** The next cell installs it from the course server; it is imported as `polhode`.
+The package of that name on the public index is unrelated: never type `pip install polhode`.
 On the server your code can import only {{PACKAGES}}."""
 INSTALL = """%pip install -q {{{{KIT_URL}}}}
-import ecp
+import polhode
 
 SERVER = "{{{{SERVER}}}}"
-ecp.connect(SERVER, assignment="{slug}")
-ecp.login()"""
+polhode.connect(SERVER, assignment="{slug}")
+polhode.login()"""
 SUBMIT_NOTE = '# Run All does not submit. Run the cells above first; then remove the "# " from the next line.'
 EMPTY = "# your code here"
 
@@ -95,7 +95,7 @@ def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> 
             replace(cell, source=_emptied_cell(cell, names, read)) if cell.is_solution(names) else cell
         )
         made += [
-            _code(f'ecp.check("{number}")', _id("check", number), "check")
+            _code(f'polhode.check("{number}")', _id("check", number), "check")
             for number, after in checked.items()
             if after == at
         ]
@@ -106,7 +106,7 @@ def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> 
             _code(INSTALL.format(slug=slug), "install", "install"),
         ]
     if not any(_calls(cell, "submit") or "submit" in cell.tags for cell in kept):
-        made.append(_code("ecp.submit()", "submit", "submit"))
+        made.append(_code("polhode.submit()", "submit", "submit"))
     made = [replace(cell, source=_commented(cell.source)) if _only_submits(cell) else cell for cell in made]
     written = {
         "cells": [_json(id, cell) for id, cell in with_ids(made)],
@@ -190,17 +190,17 @@ def _read_in(cell: Cell) -> Iterator[str]:
 
 
 def _calls(cell: Cell, function: str) -> list[list[str]]:
-    """Return the arguments of each call of ``ecp.function`` in a code cell, as text."""
+    """Return the arguments of each call of ``polhode.function`` in a code cell, as text."""
     calls = [
         node
         for node in cell.nodes
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == f"polhode.{function}"
     ]
     return [[str(getattr(argument, "value", None)) for argument in call.args] for call in calls]
 
 
 def _only_submits(cell: Cell) -> bool:
-    """Return whether a code cell consists of calls of ``ecp.submit``."""
+    """Return whether a code cell consists of calls of ``polhode.submit``."""
     statements = [s.node for s in statements_of(cell.source)] if cell.kind == "code" else []
     calls = [
         node.value for node in statements if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
@@ -208,12 +208,12 @@ def _only_submits(cell: Cell) -> bool:
     return (
         bool(calls)
         and len(calls) == len(statements)
-        and all(ast.unparse(call.func) == "ecp.submit" for call in calls)
+        and all(ast.unparse(call.func) == "polhode.submit" for call in calls)
     )
 
 
 def _commented(source: str) -> str:
-    """Return calls of ``ecp.submit`` as comments, so that *Run All* does not submit."""
+    """Return calls of ``polhode.submit`` as comments, so that *Run All* does not submit."""
     return "\n".join([SUBMIT_NOTE, *(f"# {line}" for line in source.split("\n"))])
 
 

@@ -15,17 +15,17 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ecp import kinds
-from ecp.author_errors import AuthorError
-from ecp.checks import Arrays
-from ecp.kinds import asking
-from ecp.kinds.alignment import alignment_error
-from ecp.return_value import WrongAnswer
 from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.authoring.draws import JointDraw, JointlyDrawn
 from exercises.authoring.solutions import NotebookSolution
 from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import ARGUMENTS, SHORT, Draw, Family, Itself, Mistake, Value, tolerance_data
+from polhode import kinds
+from polhode.author_errors import AuthorError
+from polhode.checks import Arrays
+from polhode.kinds import asking
+from polhode.kinds.alignment import alignment_error
+from polhode.return_value import WrongAnswer
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 ARGUMENT = (

@@ -7,13 +7,13 @@ import keyword
 import re
 from collections.abc import Iterator, Sequence
 
-from ecp.kinds.asking import KNOWN
 from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import Family, Itself, Mistake
 from exercises.question import Question
+from polhode.kinds.asking import KNOWN
 
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
-RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "ecp", "np", "plt"}
+RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "polhode", "np", "plt"}
 
 
 def question_errors(question: Question) -> Iterator[str]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ecp.judge import Verdict
 from exercises.assignment import Assignment, InvalidAssignment
+from polhode.judge import Verdict
 
 
 @dataclass(frozen=True)

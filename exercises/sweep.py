@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.outcome import SweepResult, SweptPoint
 from exercises.assignment import Sweep
+from polhode.checks import Arrays
+from polhode.outcome import SweepResult, SweptPoint
 
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 # RK45 would take tens of thousands of calls for the finest two.

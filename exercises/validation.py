@@ -10,11 +10,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
-from ecp.author_errors import AuthorError
-from ecp.data_files import MODULES
-from ecp.exercise import Exercise
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
+from polhode.author_errors import AuthorError
+from polhode.data_files import MODULES
+from polhode.exercise import Exercise
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 # where an import of one of them, or of a neighbour, may be
@@ -72,7 +72,7 @@ def _imports(assignment: Assignment) -> Iterator[str]:
                     if module.split(".")[0] in ("", *HOST_ONLY):
                         yield (
                             f"{name} line {node.lineno}: the sandbox and the kit have no {module}; import"
-                            " numpy, scipy or ecp"
+                            " numpy, scipy or polhode"
                         )
 
 
@@ -95,7 +95,7 @@ def _of_data(assignment: Assignment) -> Iterator[str]:
             )
         elif path.suffix == ".py" and path.parent.name == MODULES:
             if not path.stem.isidentifier() or (
-                path.stem not in REPLACEABLE and find_spec(f"ecp.{path.stem}")
+                path.stem not in REPLACEABLE and find_spec(f"polhode.{path.stem}")
             ):
                 yield (
                     f"module {name}: it must have a Python name that no module of the kit has, except"
@@ -198,8 +198,8 @@ def _twice(names: Iterable[str]) -> list[str]:
 
 
 def public_errors(assignment: Assignment) -> list[str]:
-    """Return the errors of the folder public/; empty if there is none. Without the folder ``ecp.check`` does
-    not know the assignment.
+    """Return the errors of the folder public/; empty if there is none. Without the folder ``polhode.check``
+    does not know the assignment.
     """
     if not (assignment.folder / "public").is_dir():
         return []

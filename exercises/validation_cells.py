@@ -13,16 +13,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecp.checks import Check
-from ecp.claims import Claim
-from ecp.exercise import Exercise
-from ecp.judge import Judgement, Verdict
-from ecp.notebook.cells import python_of, statements_of
-from ecp.outcome import Outcome, Tolerance
 from exercises.assignment import PublishedCell
 from exercises.author_notebook import INSTALL, Cell
 from exercises.declared import Rule, is_numeric
 from exercises.validation_calls import Call, calls
+from polhode.checks import Check
+from polhode.claims import Claim
+from polhode.exercise import Exercise
+from polhode.judge import Judgement, Verdict
+from polhode.notebook.cells import python_of, statements_of
+from polhode.outcome import Outcome, Tolerance
 
 VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check

@@ -1,8 +1,8 @@
-"""The students' kit of an assignment as a wheel: ``ecp``, and the assignment's public side with the exact
+"""The students' kit of an assignment as a wheel: ``polhode``, and the assignment's public side with the exact
 arrays of its public scenes.
 
-Each kit is a distribution of its own, ``polhode-kit-SLUG``, that contains all of ``ecp``. Several of them can
-be installed in one environment: each has its own folder below ecp/assignments.
+Each kit is a distribution of its own, ``polhode-kit-SLUG``, that contains all of ``polhode``. Several of them
+can be installed in one environment: each has its own folder below polhode/assignments.
 """
 
 import functools
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-import ecp
+import polhode
 from exercises import packages, zipfiles
 from exercises.assignment import Assignment, Scene
 from exercises.catalogue import find
@@ -25,8 +25,8 @@ from exercises.catalogue import find
 log = logging.getLogger(__name__)
 METADATA = f"""Metadata-Version: 2.1
 Name: {{name}}
-Version: {ecp.KIT}
-Summary: The students' kit of a polhode course server: local checks, and submitting. Imported as ecp.
+Version: {polhode.KIT}
+Summary: The students' kit of a polhode course server: local checks, and submitting. Imported as polhode.
 License: MIT
 Requires-Python: >=3.11
 Requires-Dist: numpy
@@ -37,9 +37,9 @@ Requires-Dist: matplotlib
 
 def filename(slug: str) -> str:
     """Return the wheel's file name. A notebook may contain its address for years, so it changes only with
-    ``ecp.KIT``.
+    ``polhode.KIT``.
     """
-    return f"{_distribution(slug)}-{ecp.KIT}-py3-none-any.whl"
+    return f"{_distribution(slug)}-{polhode.KIT}-py3-none-any.whl"
 
 
 @functools.cache
@@ -62,7 +62,7 @@ def wheel(slug: str, server: str | None = None) -> bytes:
 @functools.cache
 def _wheel(slug: str) -> zipfiles.Wheel:
     """Return what does not depend on the server's address, as any client can choose that in a request."""
-    assignment, info = find(slug), f"{_distribution(slug)}-{ecp.KIT}.dist-info"
+    assignment, info = find(slug), f"{_distribution(slug)}-{polhode.KIT}.dist-info"
     metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
     metadata += "".join(f"Requires-Dist: {name}\n" for name in sorted(set(assignment.packages)))
     return zipfiles.Wheel(info, metadata, _content(slug))
@@ -83,14 +83,14 @@ def _distribution(slug: str) -> str:
 
 
 def _home(assignment: Assignment) -> str:
-    return f"ecp/assignments/{assignment.folder.name}"
+    return f"polhode/assignments/{assignment.folder.name}"
 
 
 @functools.cache
 def _content(slug: str) -> dict[str, bytes]:
-    kit, assignment = Path(ecp.__path__[0]), find(slug)
+    kit, assignment = Path(polhode.__path__[0]), find(slug)
     found = {
-        f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))
+        f"polhode/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))
     }
     home = _home(assignment)
     found |= {f"{home}/data/{name}": (assignment.folder / name).read_bytes() for name in assignment.data}
@@ -99,7 +99,7 @@ def _content(slug: str) -> dict[str, bytes]:
             found |= {f"{home}/{name}": content for name, content in list(_public_side(assignment))}
         except Exception:  # its scenes or truth failed; students can still submit
             log.exception("the kit is built without the local checks of the assignment %s", slug)
-    return found | {"ecp/assignments/__init__.py": b""}
+    return found | {"polhode/assignments/__init__.py": b""}
 
 
 def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:

@@ -83,7 +83,9 @@ class Settings(BaseSettings):
     person_header: str | None = Field(
         None, description="Header in which a reverse proxy passes the name of the user."
     )
-    token_days: float = Field(200.0, gt=0, description="Days for which a token from ecp.login() is valid.")
+    token_days: float = Field(
+        200.0, gt=0, description="Days for which a token from polhode.login() is valid."
+    )
     hub_api_url: str | None = Field(
         None,
         validation_alias=AliasChoices("POLHODE_HUB_API_URL", "JUPYTERHUB_API_URL"),

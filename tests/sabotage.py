@@ -33,7 +33,7 @@ PYTEST = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider"]  # pyproject
 # every breakage makes it fail: the text to replace is not there any more
 LIST_TEST = "tests/project/test_sabotage.py"
 SHARED = ("--numprocesses", "2", "--dist", "loadfile", "--no-loadscope-reorder")  # as make test does
-IMPORTED = ("service", "exercises", "reference", "ecp", "tests.support.breakages")
+IMPORTED = ("service", "exercises", "reference", "polhode", "tests.support.breakages")
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 LIMIT_S, WHOLE_LIMIT_S = 300.0, 1800.0
 CAUGHT, UNNAMED, ELSEWHERE = "caught", "not caught by the tests named", "caught by other tests"

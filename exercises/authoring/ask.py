@@ -4,7 +4,6 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ecp.outcome import Tolerance
 from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.draws import JointDraw, between
@@ -18,6 +17,7 @@ from exercises.kinds.random import estimate, samples
 from exercises.kinds.stepper import stepper
 from exercises.kinds.values import values
 from exercises.question import Question
+from polhode.outcome import Tolerance
 
 Function = Callable[..., Any]
 

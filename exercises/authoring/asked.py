@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from ecp.outcome import Tolerance
 from exercises.authoring.draws import JointDraw
 from exercises.authoring.solutions import NotebookSolution
 from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import Itself, Mistake, Value
 from exercises.kinds.values import of_expression
 from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
+from polhode.outcome import Tolerance
 
 Function = Callable[..., Any]
 

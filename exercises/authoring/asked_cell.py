@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ecp.outcome import Tolerance
 from exercises.authoring.asked import AskedSolution, DeclarationError
 from exercises.authoring.solutions import NotebookSolution
 from exercises.declared import Value
 from exercises.kinds.variables import Claim, variables
 from exercises.question import Question
+from polhode.outcome import Tolerance
 
 Function = Callable[..., Any]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ecp.outcome import Tolerance
 from exercises.declared import Draw, Family, Value
+from polhode.outcome import Tolerance
 
 
 def between(low: float, high: float) -> Draw:
@@ -78,7 +78,7 @@ def expression(text: str, *, of: str, **given: Any) -> Family:
     """Return a function argument: the expression ``text`` of the variables ``of``, such as "t y".
 
     ``given`` are its parameters: constants, or draws. The expression may use the functions of
-    ``ecp.kinds.asking.MATHEMATICS``.
+    ``polhode.kinds.asking.MATHEMATICS``.
 
     >>> expression("-k * x", of="t x", k=between(1, 2)).over
     ('t', 'x')

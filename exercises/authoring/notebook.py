@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ecp.kinds import exercise as expand_exercise
-from ecp.notebook.names import names_in
 from exercises import author, author_notebook
 from exercises.assignment import Assignment
 from exercises.author_notebook import Cell, InvalidNotebook
@@ -27,6 +25,8 @@ from exercises.authoring.points import allotted
 from exercises.authoring.solutions import NotebookSolution, Solutions
 from exercises.publish import Section
 from exercises.question import Question
+from polhode.kinds import exercise as expand_exercise
+from polhode.notebook.names import names_in
 
 Declare = Callable[[Ask], None]
 NUMBER = re.compile(r"\d+[a-z]?(\.\d+)*")

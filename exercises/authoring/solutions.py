@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ecp.notebook.cells import DEFINITION, Statement, statements_of
 from exercises import author_notebook
 from exercises.author_notebook import Cell
+from polhode.notebook.cells import DEFINITION, Statement, statements_of
 
 
 class NoSolution(LookupError):

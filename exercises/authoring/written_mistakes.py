@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ecp.notebook.names import names_in
+from polhode.notebook.names import names_in
 
 RIGHT = "right_solution"
 """The name of the right solution in the source of a mistake."""

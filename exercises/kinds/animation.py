@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ecp.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
-from ecp.artists import MOST_AXES
-from ecp.kinds import asking
 from exercises.assignment import ArraySpec
 from exercises.declared import Ask, Itself, Limit, Positive, tolerance_data
 from exercises.kinds import kind
 from exercises.question import Question
+from polhode.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
+from polhode.artists import MOST_AXES
+from polhode.kinds import asking
 
 RECORDING = {
     "frames": ArraySpec((STILLS, HEIGHT, WIDTH, 3), "uint8", up_to=True),
@@ -23,7 +23,7 @@ RECORDING = {
     "visible": ArraySpec((2,)),
     "cost": ArraySpec((6,)),
 }
-"""What a scene with an animation returns (ecp.animation_recording)."""
+"""What a scene with an animation returns (polhode.animation_recording)."""
 RECORDING_S, BUDGET_S = 12.0, 15.0
 
 

@@ -9,11 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.integration import solve_ivp
-from ecp.kinds import ode as kit
-from ecp.kinds.asking import flat, split
-from ecp.outcome import SweepResult, Tolerance
 from exercises.assignment import Sweep
 from exercises.declared import (
     Ask,
@@ -33,6 +28,11 @@ from exercises.kinds import kind
 from exercises.question import Part, Question, call_with
 from exercises.question_errors import family_errors
 from exercises.sweep import BUDGET_S, SETTINGS, result
+from polhode.checks import Arrays
+from polhode.integration import solve_ivp
+from polhode.kinds import ode as kit
+from polhode.kinds.asking import flat, split
+from polhode.outcome import SweepResult, Tolerance
 
 
 @kind()

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 import numpy as np
 import scipy.stats
 
-from ecp.outcome import Tolerance
 from exercises.declared import (
     Ask,
     Close,
@@ -22,6 +21,7 @@ from exercises.declared import (
 )
 from exercises.kinds import kind
 from exercises.question import Question
+from polhode.outcome import Tolerance
 
 RATE = 1e-6
 """The rate at which all tests of a question together reject a right solution, at most."""

@@ -9,10 +9,6 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.kinds import stepper as kit
-from ecp.kinds.asking import arguments, flat
-from ecp.outcome import SweepResult
 from exercises.assignment import ArraySpec, Scene, Sweep
 from exercises.declared import (
     Absolute,
@@ -34,6 +30,10 @@ from exercises.kinds.ode import converged
 from exercises.question import Later, Part, Question, call_with
 from exercises.question_errors import family_errors
 from exercises.sweep import BUDGET_S, result_of_steppers
+from polhode.checks import Arrays
+from polhode.kinds import stepper as kit
+from polhode.kinds.asking import arguments, flat
+from polhode.outcome import SweepResult
 
 
 def tableau(A: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float]) -> Callable[..., Any]:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
-from ecp.kinds import asking
 from exercises.declared import (
     Agree,
     Ask,
@@ -20,6 +19,7 @@ from exercises.declared import (
 )
 from exercises.kinds import kind
 from exercises.question import Question
+from polhode.kinds import asking
 
 
 @kind()

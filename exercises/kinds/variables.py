@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ecp.kinds.asking import KNOWN
-from ecp.outcome import Tolerance
 from exercises.declared import Expression, Named, Numbers, Text, Value
 from exercises.kinds import kind
 from exercises.question import Question
+from polhode.kinds.asking import KNOWN
+from polhode.outcome import Tolerance
 
 CLAIMED = Tolerance(rtol=1e-9, reason="compared by claims only")
 

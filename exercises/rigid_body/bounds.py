@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ecp.checks import Arrays, Check
-from ecp.judge import Judgement, Verdict, within
-from ecp.outcome import Tolerance
 from exercises.rigid_body.public.common_checks import PRODUCT
 from exercises.rigid_body.public.quantities import as_closely
+from polhode.checks import Arrays, Check
+from polhode.judge import Judgement, Verdict, within
+from polhode.outcome import Tolerance
 
 
 def bounded(id: str, label: str, motion: str) -> Check:

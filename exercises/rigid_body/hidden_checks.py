@@ -6,8 +6,8 @@ conserve everything too.
 
 import numpy as np
 
-from ecp.checks import Arrays, Check, close, within
 from exercises.rigid_body.bounds import bounded
+from polhode.checks import Arrays, Check, close, within
 
 ROUNDING = "correct formulas differ only by rounding at these magnitudes"
 EVEN = (

@@ -8,7 +8,7 @@ from uuid import UUID
 
 from pydantic import BaseModel, Field, GetPydanticSchema, PlainSerializer, WithJsonSchema, create_model
 
-from ecp.report import Report
+from polhode.report import Report
 from service.store.course import regrade_requests
 
 Moment = Annotated[
@@ -18,7 +18,7 @@ Status = Literal["queued", "running", "graded", "faulted"]
 
 
 def model_of(kind: Any) -> Any:
-    """Return the type of what ``ecp.document`` writes for values of the type ``kind``; of a dataclass, a
+    """Return the type of what ``polhode.document`` writes for values of the type ``kind``; of a dataclass, a
     model.
     """
     if is_dataclass(kind):
@@ -38,7 +38,7 @@ def model_of(kind: Any) -> Any:
 
 
 _REPORT = model_of(Report).__pydantic_core_schema__
-# ``ecp.document`` has written it, so it is described but not validated again.
+# ``polhode.document`` has written it, so it is described but not validated again.
 ReportDocument = Annotated[
     dict[str, Any], GetPydanticSchema(get_pydantic_json_schema=lambda _, handler: handler(_REPORT))
 ]

@@ -1,4 +1,4 @@
-"""A student's submissions to an assignment, as JSON for ``ecp.submissions()`` and for the page."""
+"""A student's submissions to an assignment, as JSON for ``polhode.submissions()`` and for the page."""
 
 import asyncio
 from collections import Counter
@@ -8,7 +8,7 @@ from itertools import zip_longest
 
 from fastapi import APIRouter
 
-from ecp.judge import MARKS, Verdict
+from polhode.judge import MARKS, Verdict
 from service.api import answers
 from service.api.submissions import Assigned
 from service.auth.identity import STAFF, Person, Reader

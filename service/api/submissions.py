@@ -12,12 +12,12 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
-from ecp.document import document
-from ecp.report import Report
 from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from exercises.validation_cells import is_self_reported
+from polhode.document import document
+from polhode.report import Report
 from service.api import answers, parse_submission
 from service.api.health import WorkerStatus
 from service.api.release import NOT_RELEASED, visible

@@ -106,7 +106,7 @@ async def collect(settings: Config, database: Db, device_code: ShortText) -> JSO
         raise Problem(
             410,
             "login-over",
-            "this login was refused, already used or not confirmed in time: run ecp.login() again",
+            "this login was refused, already used or not confirmed in time: run polhode.login() again",
         ) from None
     if found is None:
         return JSONResponse(Pending().model_dump(), 202, {"Retry-After": str(INTERVAL_S)})
@@ -127,7 +127,7 @@ async def revoke(request: Request, database: Db, bearer: Bearer) -> Response:
     token = request.headers.get("authorization", "").partition(" ")[2].strip()
     info = await tokens.find(database, token)
     if info is None:
-        raise Problem(401, "nobody", "the request has no valid token of this server: run ecp.login()")
+        raise Problem(401, "nobody", "the request has no valid token of this server: run polhode.login()")
     async with database.begin() as connection:
         await tokens.revoke(connection, id=info.id)
     return Response(status_code=204)

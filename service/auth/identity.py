@@ -188,7 +188,7 @@ def _single_user(request: Request, settings: Settings) -> Person:
         raise Problem(
             401,
             "nobody",
-            "authentication required: run ecp.login() in the notebook, or log in on the web page",
+            "authentication required: run polhode.login() in the notebook, or log in on the web page",
         )
     if not is_own_host(request, settings):
         raise Problem(

@@ -82,7 +82,8 @@ class LoginRateLimiter:
             until, _ = self._windows.get_window_stats(STARTS, address)
             wait_s = max(1, math.ceil(until - time.time()))
             detail = (
-                f"too many logins were started from your network: wait {wait_s} s, then run ecp.login() again"
+                f"too many logins were started from your network: wait {wait_s} s, then run polhode.login()"
+                " again"
             )
             raise Problem(429, "too-many", detail, retry_after=wait_s)
 
@@ -116,7 +117,7 @@ def _too_many(wait_s: int, failure: int) -> Problem:
     minutes = math.ceil(wait_s / 60)
     wait = f"wait {minutes} minute{'s' if minutes > 1 else ''}"
     detail = (
-        f"too many unknown codes: {wait}, then run ecp.login() again"
+        f"too many unknown codes: {wait}, then run polhode.login() again"
         if failure == 404
         else f"too many failed logins: {wait}, or log in with the token from your course"
     )

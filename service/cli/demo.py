@@ -13,12 +13,12 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from ecp.document import read
-from ecp.judge import MARKS, Verdict
-from ecp.report import Report
 from exercises.catalogue import assignments
 from exercises.mistakes import MadeSample
 from exercises.samples import Sample, samples
+from polhode.document import read
+from polhode.judge import MARKS, Verdict
+from polhode.report import Report
 from service.cli.demo_class import STUDENTS, add_class, logins
 from service.settings import Settings
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from importlib import metadata
 from pathlib import Path
 
-import ecp
 import exercises
+import polhode
 import reference
 import service
 from exercises import zipfiles
@@ -62,7 +62,7 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
     own = metadata.distribution("polhode")
     info = f"polhode-{own.version}.dist-info"
     homes = [
-        (Path(package.__path__[0]), package.__name__) for package in (ecp, exercises, reference, service)
+        (Path(package.__path__[0]), package.__name__) for package in (polhode, exercises, reference, service)
     ]
     homes += [(folder, f"exercises/{folder.name}") for folder in outside]
     files = {name: content for home, into in homes for name, content in _files(home, into)}

@@ -33,7 +33,7 @@ def add_import_notebook(parser: argparse.ArgumentParser) -> None:
         "--modules",
         type=Path,
         metavar="FOLDER",
-        help="the course's own modules, which its notebooks import from ecp",
+        help="the course's own modules, which its notebooks import from polhode",
     )
     parser.set_defaults(run=_import)
 

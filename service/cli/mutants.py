@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ecp.judge import Verdict
-from ecp.outcome import Outcome
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import find
 from exercises.mutation import variants
 from exercises.solution import Variant
+from polhode.judge import Verdict
+from polhode.outcome import Outcome
 from service.cli.arguments import count
 from service.cli.errors import CommandError
 from service.grading.batch import GradeOptions, GradeRequest, grade_files

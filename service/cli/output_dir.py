@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from ecp.document import document
 from exercises.assignment import Assignment
+from polhode.document import document
 from service.formats import html
 from service.formats.filenames import UniqueNames
 from service.grading.result import GradedFile

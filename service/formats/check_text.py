@@ -5,10 +5,10 @@ error.
 import re
 from collections.abc import Iterable
 
-from ecp.judge import Verdict
-from ecp.outcome import Outcome, SceneEnd
-from ecp.report import Report
 from exercises.assignment import Assignment
+from polhode.judge import Verdict
+from polhode.outcome import Outcome, SceneEnd
+from polhode.report import Report
 from service.sandbox.untrusted_text import text
 
 NOTHING = "at least one check was scored"

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from ecp.judge import Verdict
-from ecp.outcome import ExerciseReport
-from ecp.report import Report
 from exercises.assignment import Assignment
+from polhode.judge import Verdict
+from polhode.outcome import ExerciseReport
+from polhode.report import Report
 from service.formats.check_text import (
     NOTHING,
     SUBMITTED,

@@ -10,11 +10,11 @@ from dataclasses import replace
 from html import escape
 from typing import Any
 
-from ecp import cause, grouped
-from ecp.judge import Verdict
-from ecp.outcome import ExerciseReport, Outcome, Picture
-from ecp.report import Report
 from exercises.assignment import Assignment
+from polhode import cause, grouped
+from polhode.judge import Verdict
+from polhode.outcome import ExerciseReport, Outcome, Picture
+from polhode.report import Report
 from service.formats import VISIBILITIES, VISIBLE
 from service.formats.check_text import (
     NOTHING,

@@ -6,9 +6,9 @@ from dataclasses import replace
 from html import escape
 from pathlib import Path
 
-from ecp import report_html
-from ecp.judge import MARKS
 from exercises.assignment import Assignment
+from polhode import report_html
+from polhode.judge import MARKS
 from service.grading.result import GradedFile, summary
 
 _STYLE = """

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ecp.judge import Verdict
-from ecp.outcome import Outcome
-from ecp.report import Report
 from exercises.assignment import Assignment
+from polhode.judge import Verdict
+from polhode.outcome import Outcome
+from polhode.report import Report
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
 from service.formats.source_lines import SourceLines
 from service.grading.result import GradedFile, state

@@ -12,10 +12,10 @@ from json import scanner
 from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any, cast
 
-from ecp.notebook.outputs import is_notebook
-from ecp.outcome import Outcome
-from ecp.student_line import BREAK
 from exercises.assignment import Assignment
+from polhode.notebook.outputs import is_notebook
+from polhode.outcome import Outcome
+from polhode.student_line import BREAK
 from service.formats.check_text import stopped_by
 from service.grading.result import GradedFile
 from service.grading.submission import PYTHON_FILE, source_locations

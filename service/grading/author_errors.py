@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ecp.author_errors import AuthorError
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import find
 from exercises.validation import format_error
+from polhode.author_errors import AuthorError
 from service.sandbox.result import NotPrepared, SystemFault
 
 FAULT = "assignment {slug} has an error: {error}"

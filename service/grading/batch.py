@@ -9,10 +9,10 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ecp.notebook.outputs import is_notebook
-from ecp.outcome import SweepResult
 from exercises import validation
 from exercises.assignment import Assignment
+from polhode.notebook.outputs import is_notebook
+from polhode.outcome import SweepResult
 from service.grading import rendering
 from service.grading.grade import Graded, UnknownExercise, missing_packages, select
 from service.grading.grader import Grader, SweepFailed

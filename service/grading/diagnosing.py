@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Scene
+from polhode.outcome import Diagnosis
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult
 

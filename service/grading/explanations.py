@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.judge import Verdict
-from ecp.kinds import reproduces
-from ecp.kinds.values import agreement
-from ecp.outcome import Diagnosis
 from exercises.solution import Variant
+from polhode.checks import Arrays
+from polhode.judge import Verdict
+from polhode.kinds import reproduces
+from polhode.kinds.values import agreement
+from polhode.outcome import Diagnosis
 from service.grading.quoting import StudentCode
 from service.grading.readings import constant_factor, numbers_at, too_few_digits
 

@@ -5,14 +5,14 @@ import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from ecp.cause import suspect_lines
-from ecp.checks import Arrays
-from ecp.claims import Claim, NotebookCheck
-from ecp.exercise import Exercise, attempted
-from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
+from polhode.cause import suspect_lines
+from polhode.checks import Arrays
+from polhode.claims import Claim, NotebookCheck
+from polhode.exercise import Exercise, attempted
+from polhode.report import Provenance, Report, pictures
 from service.grading import reproduction
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used

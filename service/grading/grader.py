@@ -4,11 +4,11 @@ import json
 import time
 from collections.abc import Collection, Sequence
 
-from ecp.document import document
-from ecp.outcome import SweepResult
-from ecp.report import Report
 from exercises.assignment import Assignment, Sweep
 from exercises.sweep import compared
+from polhode.document import document
+from polhode.outcome import SweepResult
+from polhode.report import Report
 from service.grading import rendering
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded, grade

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ecp.checks import Check
-from ecp.exercise import Exercise
-from ecp.judge import Verdict
-from ecp.notes import Absent, unsaid
-from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome
 from exercises.assignment import Assignment, Scene
 from exercises.validation_cells import ReportedLine
+from polhode.checks import Check
+from polhode.exercise import Exercise
+from polhode.judge import Verdict
+from polhode.notes import Absent, unsaid
+from polhode.outcome import Diagnosis, Ended, ExerciseReport, Outcome
 from service.grading.diagnosing import Causes, diagnose_failure
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.exercise import Motion
 from exercises.assignment import Assignment
+from polhode.checks import Arrays
+from polhode.exercise import Motion
 from service.grading.jobs import draw_inputs, truth
 
 Array = NDArray[np.float64]

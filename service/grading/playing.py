@@ -5,11 +5,11 @@ import secrets
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ecp.author_errors import UNUSABLE, same_error
-from ecp.checks import Arrays
-from ecp.outcome import Ended, SceneEnd
 from exercises import packages
 from exercises.assignment import Assignment, Inputs
+from polhode.author_errors import UNUSABLE, same_error
+from polhode.checks import Arrays
+from polhode.outcome import Ended, SceneEnd
 from service.grading.afresh import compare_afresh
 from service.grading.author_errors import fault
 from service.grading.jobs import truth

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp import drawing
-from ecp.checks import Arrays
-from ecp.document import read
-from ecp.exercise import Figure
-from ecp.outcome import SweepResult
 from exercises.assignment import Assignment
+from polhode import drawing
+from polhode.checks import Arrays
+from polhode.document import read
+from polhode.exercise import Figure
+from polhode.outcome import SweepResult
 from service.grading import chart_card
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.chart_drawing import draw as draw_chart

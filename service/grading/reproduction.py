@@ -8,11 +8,11 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
-from ecp.checks import Arrays
-from ecp.kinds import diagnose, reproduces
-from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Scene
 from exercises.solution import Variant
+from polhode.checks import Arrays
+from polhode.kinds import diagnose, reproduces
+from polhode.outcome import Diagnosis
 from service.grading.diagnosing import with_scenes
 from service.grading.explanations import Cause, Component, causes, diagnoses, wrong_components
 from service.grading.playing import PlayedJob

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ecp.judge import Verdict
-from ecp.outcome import Ended, Outcome, SceneEnd
-from ecp.report import Report
+from polhode.judge import Verdict
+from polhode.outcome import Ended, Outcome, SceneEnd
+from polhode.report import Report
 
 MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
 """The states of a check and their marks."""

@@ -4,10 +4,10 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
-from ecp.judge import Verdict
-from ecp.outcome import Outcome
-from ecp.report import Report, pictures
 from exercises.assignment import Assignment
+from polhode.judge import Verdict
+from polhode.outcome import Outcome
+from polhode.report import Report, pictures
 
 LATER = "the details of this check have not been released yet"
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from ecp.checks import Check
 from exercises.assignment import Assignment
+from polhode.checks import Check
 from service.grading import result
 from service.store.course.gradebook import StudentRow
 from service.store.database import Row

@@ -8,9 +8,9 @@ from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Match
 
-from ecp.checks import Check
 from exercises.catalogue import assignments
 from exercises.validation_cells import is_self_reported
+from polhode.checks import Check
 from service.api.health import WorkerStatus
 from service.api.history import list_own
 from service.api.release import visible_row

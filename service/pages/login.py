@@ -32,7 +32,7 @@ class UnknownCode(Problem):
 
     def __init__(self) -> None:
         super().__init__(
-            404, "not-found", "no login request has this code: run ecp.login() again in the notebook"
+            404, "not-found", "no login request has this code: run polhode.login() again in the notebook"
         )
 
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from uuid import UUID
 
-from ecp.exercise import Motion
-from ecp.outcome import Picture
-from ecp.report import Report
 from exercises.assignment import Assignment
+from polhode.exercise import Motion
+from polhode.outcome import Picture
+from polhode.report import Report
 from service.store.database import Row
 from service.store.records import SubmissionRecord
 

@@ -10,14 +10,14 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
-from ecp import report_html
-from ecp.exercise import Motion
-from ecp.judge import Verdict
-from ecp.outcome import Ended, Outcome, SceneEnd
-from ecp.report import Report
-from ecp.student_line import StudentLine
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
+from polhode import report_html
+from polhode.exercise import Motion
+from polhode.judge import Verdict
+from polhode.outcome import Ended, Outcome, SceneEnd
+from polhode.report import Report
+from polhode.student_line import StudentLine
 from service.api.figures import cached_artefact
 from service.api.release import visible_row
 from service.api.submissions import Submission

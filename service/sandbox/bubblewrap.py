@@ -126,7 +126,7 @@ def _files(binds: list[Path]) -> list[str]:
                 part for one in hidden for part in ("--perms", "0755", "--size", "4096", "--tmpfs", str(one))
             ]
     args += [part for one in hidden for part in ("--remount-ro", str(one))]
-    args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(KIT), f"{GUEST_CODE}/ecp"]
+    args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(KIT), f"{GUEST_CODE}/polhode"]
     args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:
         args += ["--dev-bind", device, device]

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from exercises.packages import SANDBOX
 
-_kit = find_spec("ecp")
+_kit = find_spec("polhode")
 assert _kit is not None and _kit.origin is not None
 GUEST, KIT = Path(__file__).parent / "guest", Path(_kit.origin).parent
 # the one that a virtual environment links to, at the path from which it finds its libraries

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.outcome import SceneEnd
 from exercises.assignment import ArraySpec
+from polhode.outcome import SceneEnd
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import APART, BYTES, FILES, LENGTH, NUMBERS
 
@@ -44,8 +44,8 @@ class Cell:
 @dataclass(frozen=True)
 class FunctionsApart:
     """Functions that a scene's rows pass to the submission and that another process answers and counts:
-    ``families`` by name, as in a question (ecp.kinds), and the ``inputs`` along the ``rows`` that only they
-    use.
+    ``families`` by name, as in a question (polhode.kinds), and the ``inputs`` along the ``rows`` that only
+    they use.
     """
 
     families: Mapping[str, Mapping[str, Any]]
@@ -73,8 +73,8 @@ class FunctionsApart:
 class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
-    ``question`` is that of the scene, if it has one (ecp.kinds). With ``source`` the scene runs that source,
-    after the setup, in place of the submission. Functions ``apart`` are not made in its process.
+    ``question`` is that of the scene, if it has one (polhode.kinds). With ``source`` the scene runs that
+    source, after the setup, in place of the submission. Functions ``apart`` are not made in its process.
     """
 
     name: str

@@ -5,6 +5,6 @@ import sys
 import types
 
 for name in list(sys.modules):
-    if name.startswith(("json", "guest", "ecp", "numpy.linalg")):
+    if name.startswith(("json", "guest", "polhode", "numpy.linalg")):
         sys.modules[name] = types.ModuleType(name)
 import numpy as np

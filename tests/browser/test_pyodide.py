@@ -3,8 +3,8 @@ worker.
 
 npm's package has Python and its standard library. numpy and scipy for WebAssembly are in no package registry:
 Pyodide fetches them from its own site. POLHODE_PYODIDE names a folder with a complete Pyodide, in which
-``ecp.check`` is tried too. Without it, modules stand in for numpy and scipy, of which ``ecp.submit`` needs
-little more than the names.
+``polhode.check`` is tried too. Without it, modules stand in for numpy and scipy, of which ``polhode.submit``
+needs little more than the names.
 """
 
 import functools
@@ -129,7 +129,7 @@ def python(page, site, server, pyodide):
     ask("start", {"kit": kit, "packages": ["numpy", "scipy"] if pyodide[1] else []})
     if not pyodide[1]:
         ask("run", STAND_IN.read_text())
-    ask("run", f'import ecp\necp.connect("{server.url}", assignment="rigid-body")')
+    ask("run", f'import polhode\npolhode.connect("{server.url}", assignment="rigid-body")')
     ask("run", EULER)
     return ask
 
@@ -138,19 +138,23 @@ def python(page, site, server, pyodide):
 def test_a_submission_is_graded_and_its_report_is_read(python, how):
     assert python("run", "import sys; sys.platform") == "emscripten"
     assert python(how, 'open("mine.py", "w").write("x = 1")') == "5"
-    python(how, "import io, contextlib\nwith contextlib.redirect_stdout(io.StringIO()) as said: ecp.login()")
+    python(
+        how, "import io, contextlib\nwith contextlib.redirect_stdout(io.StringIO()) as said: polhode.login()"
+    )
     assert "is ready. Deadline: none." in python(how, "said.getvalue()")
     source = json.dumps(EULER + f"# {how}\n")
-    python(how, f'open("mine.py", "w").write({source})\nreport = ecp.submit(file="mine.py", exercises=["2"])')
+    python(
+        how, f'open("mine.py", "w").write({source})\nreport = polhode.submit(file="mine.py", exercises=["2"])'
+    )
     assert python(how, "report.summary()") == "5 of 5 points (public checks: 3 of 3)"
     assert python(how, 'report.drawn(report.figures[0].name)[:4] == b"\\x89PNG"') == "true"
-    assert "5 of 36 + 6 bonus" in python(how, "repr(ecp.submissions())")
-    again = 'ecp.submit(file="mine.py", exercises=["2"]).remark.startswith("Not submitted again")'
+    assert "5 of 36 + 6 bonus" in python(how, "repr(polhode.submissions())")
+    again = 'polhode.submit(file="mine.py", exercises=["2"]).remark.startswith("Not submitted again")'
     assert python(how, again) == "true"
 
 
 LIMITED = """
-from ecp.time_limit import OutOfTime, limited
+from polhode.time_limit import OutOfTime, limited
 ended = ""
 try:
     with limited(0.5):
@@ -170,5 +174,5 @@ def test_an_endless_loop_ends_after_its_time(python):
 def test_the_checks_of_a_cell_are_those_of_the_server(python, pyodide):
     if not pyodide[1]:
         pytest.skip("npm's Pyodide has no numpy: name a folder with a complete Pyodide in POLHODE_PYODIDE")
-    assert python("wait", 'ecp.check("2").summary()') == "3 of 3 public checks ✓"
-    assert python("wait", "ecp.submit(euler_eqs).summary()").startswith("5 of 36, +0 of 6 bonus points")
+    assert python("wait", 'polhode.check("2").summary()') == "3 of 3 public checks ✓"
+    assert python("wait", "polhode.submit(euler_eqs).summary()").startswith("5 of 36, +0 of 6 bonus points")

@@ -1,10 +1,10 @@
 import dataclasses
 import sys
 
-from ecp.checks import close
 from exercises import validation
 from exercises.assignment import Exercise
 from exercises.catalogue import assignments, load_catalogue
+from polhode.checks import close
 from tests.support.assignments import copied
 
 

@@ -9,11 +9,11 @@ import mpmath
 import numpy as np
 import pytest
 
-from ecp.kinds import play
-from ecp.kinds import stepper as kit
-from ecp.kinds.asking import expression
 from exercises.catalogue import find
 from exercises.integrators import assignment as author
+from polhode.kinds import play
+from polhode.kinds import stepper as kit
+from polhode.kinds.asking import expression
 from service.grading import rendering
 from service.grading.grader import Grader
 from service.grading.submission import Submission

@@ -12,8 +12,6 @@ import traceback
 import numpy as np
 import pytest
 
-from ecp.author_errors import AuthorError
-from ecp.kinds import question_checks
 from exercises.author import Tolerance, Value, family, mistake, uniform
 from exercises.kinds.animation import animation
 from exercises.kinds.expression import expression, symbol
@@ -24,6 +22,8 @@ from exercises.kinds.stepper import euler, stepper
 from exercises.kinds.values import values
 from exercises.kinds.variables import claim, variables
 from exercises.question_errors import question_errors, uses_errors
+from polhode.author_errors import AuthorError
+from polhode.kinds import question_checks
 
 NEAR, LIMIT, ATOL = (
     Tolerance(**number, reason="of a test") for number in ({"rtol": 1e-9}, {"limit": 1e-9}, {"atol": 0.2})

@@ -38,8 +38,9 @@ def test_the_authors_notebook_becomes_the_students(tmp_path):
     title, note, install, *others = sources(students(write(tmp_path)))
     assert title == "# Falling" and "{{PACKAGES}}" in note
     assert (
-        install == '%pip install -q {{KIT_URL}}\nimport ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER,'
-        ' assignment="falling")\necp.login()'
+        install
+        == '%pip install -q {{KIT_URL}}\nimport polhode\n\nSERVER = "{{SERVER}}"\npolhode.connect(SERVER,'
+        ' assignment="falling")\npolhode.login()'
     )
     assert others == [
         "## Setup",
@@ -47,15 +48,15 @@ def test_the_authors_notebook_becomes_the_students(tmp_path):
         "SIGN = 1.0",
         "## Exercise 1 — Speed\nText.",
         'def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    ...',
-        'ecp.check("1")',
+        'polhode.check("1")',
         "### Validation 1",
         "assert speed(1.0, 9.81) == 9.81",
         "## Exercise 2 — Height",
         "def height(t, g, h):\n    ...\n\n\nprint(height(1.0, 9.81, 100.0))",
-        'ecp.check("2")',
+        'polhode.check("2")',
         "## Summary",
         "print('done')",
-        f"{SUBMIT_NOTE}\n# ecp.submit()",
+        f"{SUBMIT_NOTE}\n# polhode.submit()",
     ]
 
 
@@ -161,11 +162,13 @@ def test_calls_of_submit_alone_in_a_cell_become_comments(sections):
     def last(source, tags=()):
         return sources(published("s", [Cell("code", source, tags=tags)], sections))[2:]
 
-    assert last("ecp.submit(f,\n           g)") == [f"{SUBMIT_NOTE}\n# ecp.submit(f,\n#            g)"]
-    again = last("ecp.submit(f)")[0]
+    assert last("polhode.submit(f,\n           g)") == [
+        f"{SUBMIT_NOTE}\n# polhode.submit(f,\n#            g)"
+    ]
+    again = last("polhode.submit(f)")[0]
     assert last(again, ("submit",)) == [again], "a published notebook that is published again"
-    assert last("r = ecp.submit(f)\nprint(r)") == ["r = ecp.submit(f)\nprint(r)"]
-    assert last("x = 1") == ["x = 1", f"{SUBMIT_NOTE}\n# ecp.submit()"]
+    assert last("r = polhode.submit(f)\nprint(r)") == ["r = polhode.submit(f)\nprint(r)"]
+    assert last("x = 1") == ["x = 1", f"{SUBMIT_NOTE}\n# polhode.submit()"]
 
 
 def test_a_check_follows_the_last_solution_of_each_exercise(sections):
@@ -177,7 +180,7 @@ def test_a_check_follows_the_last_solution_of_each_exercise(sections):
             if not text.startswith(("**Inst", "%pip", SUBMIT_NOTE))
         ]
 
-    one, two = 'ecp.check("1")', 'ecp.check("2.1")'
+    one, two = 'polhode.check("1")', 'polhode.check("2.1")'
     f, g = "def f():\n    ...", "def g():\n    ..."
     assert checked("# T", f, "### More", "x = 1", g, "# End") == [
         "# T",
@@ -192,11 +195,17 @@ def test_a_check_follows_the_last_solution_of_each_exercise(sections):
     assert checked(g, f, "x = 1", f) == [g, two, f, "x = 1", f, one]
     assert (
         checked(
-            "# Exercise 1", f, "ecp.check(1)", "* text", "# Exercise 2.1", g, 'r = ecp.check("1", "2.1")'
+            "# Exercise 1",
+            f,
+            "polhode.check(1)",
+            "* text",
+            "# Exercise 2.1",
+            g,
+            'r = polhode.check("1", "2.1")',
         ).count(two)
         == 0
     )
-    assert checked("# Exercise 1", f, "ecp.check(1)", "* text", "# Exercise 2.1", g).count(one) == 0
+    assert checked("# Exercise 1", f, "polhode.check(1)", "* text", "# Exercise 2.1", g).count(one) == 0
 
 
 def test_it_is_the_same_for_the_same_folder_and_keeps_valid_ids(tmp_path):
@@ -248,12 +257,12 @@ def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():
     assert cells[4:7] == [
         "## Exercise 1: A root finder",
         "def find_root(f, a, b, tol):\n    ...",
-        'ecp.check("1")',
+        'polhode.check("1")',
     ]
-    assert [text for text in cells if text.startswith("ecp.check(")] == [
-        f'ecp.check("{n}")' for n in range(1, text.count("check-") + 1)
+    assert [text for text in cells if text.startswith("polhode.check(")] == [
+        f'polhode.check("{n}")' for n in range(1, text.count("check-") + 1)
     ]
-    assert cells[-1] == f"{SUBMIT_NOTE}\n# ecp.submit()"
+    assert cells[-1] == f"{SUBMIT_NOTE}\n# polhode.submit()"
     with known(FOLDER) as found:
         served = wheel.notebook(found.valid["toolbox"], "https://x.org", "https://x.org/the-kit").decode()
     assert "{{" not in served and "%pip install -q https://x.org/the-kit" in served
@@ -265,11 +274,11 @@ sys.path.insert(0, {kit!r})
 names = {{}}
 for cell in json.load(open({file!r}))["cells"]:
     source = "".join(cell["source"])
-    if cell["cell_type"] == "code" and "ecp.submit" not in source:
+    if cell["cell_type"] == "code" and "polhode.submit" not in source:
         lines = source.split("\\n")
         last, code = lines[-1], "\\n".join(line for line in lines if not line.startswith("%"))
         exec(code, names)
-        if last.startswith("ecp.check"):
+        if last.startswith("polhode.check"):
             print(*(outcome.verdict.value for outcome in eval(last, names).outcomes()))
 """
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from ecp.judge import Verdict
-from ecp.kinds import question_checks
 from exercises.random_walks import assignment as walks
 from exercises.random_walks.assignment import notebook
+from polhode.judge import Verdict
+from polhode.kinds import question_checks
 
 
 def label(question):

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import pytest
 
-from ecp.document import document
 from exercises.catalogue import assignments
 from exercises.samples import samples
+from polhode.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

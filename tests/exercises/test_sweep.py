@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from ecp.outcome import SweepResult, SweptPoint
 from exercises.assignment import Scene, Sweep
 from exercises.sweep import SETTINGS, compared
+from polhode.outcome import SweepResult, SweptPoint
 
 KAPPA = 72.7
 SWEEP = Sweep(

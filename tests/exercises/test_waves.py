@@ -4,9 +4,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from ecp.kinds.asking import expression
-from ecp.return_value import WrongAnswer
 from exercises.waves import assignment as author
+from polhode.kinds.asking import expression
+from polhode.return_value import WrongAnswer
 from tests.support.toolbox import failed, judged
 
 ALL = list(author.notebook.questions())

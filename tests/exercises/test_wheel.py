@@ -22,7 +22,7 @@ def _folders(content):
         return {
             name.split("/")[2]
             for name in archive.namelist()
-            if name.startswith("ecp/assignments/") and name.count("/") > 2
+            if name.startswith("polhode/assignments/") and name.count("/") > 2
         }
 
 
@@ -61,7 +61,7 @@ def test_the_name_by_which_a_client_calls_the_server_makes_no_work(monkeypatch):
 
 def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
     with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
-        home = "ecp/assignments/rigid_body/"
+        home = "polhode/assignments/rigid_body/"
         held = {
             name.removeprefix(home): archive.read(name)
             for name in archive.namelist()
@@ -77,8 +77,8 @@ def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
 
 def test_no_scene_that_is_drawn_for_an_attempt_is_in_the_kit(rigid_body):
     with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
-        declared = json.loads(archive.read("ecp/assignments/rigid_body/public.json"))
-        with zipfile.ZipFile(io.BytesIO(archive.read("ecp/assignments/rigid_body/truth.npz"))) as exact:
+        declared = json.loads(archive.read("polhode/assignments/rigid_body/public.json"))
+        with zipfile.ZipFile(io.BytesIO(archive.read("polhode/assignments/rigid_body/truth.npz"))) as exact:
             solved = {name.partition("/")[0] for name in exact.namelist()}
     fixed = {scene.name for scene in rigid_body.scenes if not callable(scene.inputs)}
     before = {scene.after for scene in rigid_body.scenes if scene.name in fixed} - {None}

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from ecp import checks
-from ecp.document import document
-from ecp.kinds import KINDS
 from exercises import author, mutation
 from exercises.authoring.codes import CODES
 from exercises.question import Question
 from exercises.samples import samples
+from polhode import checks
+from polhode.document import document
+from polhode.kinds import KINDS
 from service import app
 from service.grading.grade import grade
 from service.grading.submission import SizeLimits, Submission

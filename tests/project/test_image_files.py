@@ -31,7 +31,7 @@ NEEDED = (
     "service/pages/templates/account.html",
     "service/grading/measured/reference.json",
     "exercises/rigid_body/notebook.ipynb",
-    "ecp/__init__.py",
+    "polhode/__init__.py",
 )
 PASSWORD = "${POSTGRES_PASSWORD:?set it in .env}"
 

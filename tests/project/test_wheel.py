@@ -52,7 +52,7 @@ def test_it_holds_what_runs_and_no_sample(wheel, rigid_body):
     found = contents(wheel)
     assert {
         "exercises/rigid_body/notebook.ipynb",
-        "ecp/__init__.py",
+        "polhode/__init__.py",
         "service/cli/gradescope_zip/setup.sh",
     } <= found.keys()
     lock = (ROOT / "requirements/runtime.lock").read_bytes()

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from service.sandbox.bubblewrap import find_bubblewrap
 
-OURS = ("polhode", "_polhode", "ecp", "__pycache__")
+OURS = ("polhode", "_polhode", "__pycache__")
 # a virtual environment gets its own
 OF_PIP = (
     "pip",

@@ -8,7 +8,7 @@ from pathlib import Path
 from tests.support.course_notebook import FILE
 
 HIDDEN = "# (solution hidden on the public site)\n"
-SETUP = "import numpy as np\n\nfrom ecp import validate\n\n\ndef double(x):\n    return 2 * x\n"
+SETUP = "import numpy as np\n\nfrom polhode import validate\n\n\ndef double(x):\n    return 2 * x\n"
 SOLUTIONS = (
     "total = sum(range(5))\n",
     "powers = [2**n for n in range(4)]\n",
@@ -59,7 +59,7 @@ def published(solutions=(HIDDEN,) * 3, setup=SETUP, checks=CHECKS):
 
 
 def bare(*sources):
-    """A notebook of code cells without ids, as `ecp.submit` sends it."""
+    """A notebook of code cells without ids, as `polhode.submit` sends it."""
     cells = [
         {"cell_type": "code", "metadata": {}, "source": s, "outputs": [], "execution_count": None}
         for s in sources

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import reference
-from ecp.kinds.animation.body import Body
+from polhode.kinds.animation.body import Body
 
 TILT = Rotation.from_rotvec(
     [-2.0, 1.0, 0.0]

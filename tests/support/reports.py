@@ -5,10 +5,10 @@ row of verdicts.
 from dataclasses import replace
 from pathlib import Path
 
-from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
-from ecp.report import Provenance, Report
 from exercises.catalogue import find
+from polhode.judge import Verdict
+from polhode.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
+from polhode.report import Provenance, Report
 from service.grading.result import GradedFile
 
 ASSIGNMENT = find("rigid-body")

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecp.judge import Verdict
-from ecp.kinds import question_checks
 from exercises import wheel
 from exercises.assignment import Assignment
 from exercises.author import Notebook
 from exercises.catalogue import find
+from polhode.judge import Verdict
+from polhode.kinds import question_checks
 
 FOLDER = Path(__file__).parents[1] / "assignments" / "toolbox"
 
@@ -44,14 +44,14 @@ import json, sys
 sys.path.insert(0, {kit!r})
 {setup}
 {source}
-import ecp
-report = ecp.check(assignment={slug!r})
+import polhode
+report = polhode.check(assignment={slug!r})
 print(json.dumps([{of} for outcome in report.outcomes()]))
 """
 
 
 def check_locally(slug, source, folder, of="outcome.line"):
-    """What ``ecp.check`` of the kit as students install it prints, as JSON.
+    """What ``polhode.check`` of the kit as students install it prints, as JSON.
 
     ``of`` is an expression for each ``outcome`` of the ``report``.
     """

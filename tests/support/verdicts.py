@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ecp.judge import MARKS
-from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from exercises.samples import samples
+from polhode.judge import MARKS
+from polhode.report import Report
 from service.grading import reproduction
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.result import GradedFile

@@ -1,5 +1,5 @@
-"""What counts as an answer, on the server and in ``ecp.check``: functions, variables, classes, and the data
-files they read.
+"""What counts as an answer, on the server and in ``polhode.check``: functions, variables, classes, and the
+data files they read.
 """
 
 import dataclasses
@@ -57,13 +57,13 @@ def home(lab, tmp_path_factory):
 KERNEL = """
 import json, sys
 sys.path.insert(0, "site")
-import ecp
-ecp.connect(assignment="lab-course")
+import polhode
+polhode.connect(assignment="lab-course")
 reports = []
 for source in json.load(sys.stdin):
-    names = {"ecp": ecp}
+    names = {"polhode": polhode}
     exec(open("site/Setup").read() + source, names)
-    report = eval("ecp.check()", names)
+    report = eval("polhode.check()", names)
     reports.append([repr(report), [e.number for e in report.exercises], report.summary()])
 print(json.dumps(reports))
 """
@@ -163,7 +163,7 @@ def test_no_data_file_is_left_for_the_next_submission(lab, rigid_body, either_sa
 def test_the_kit_leaves_a_data_file_of_the_students_as_it_is(home, lab, tmp_path):
     (tmp_path / "site").symlink_to(home / "site")
     (tmp_path / "points.csv").write_text("7\n")
-    code = 'import sys; sys.path.insert(0, "site"); import ecp; ecp.connect(assignment="lab-course")'
+    code = 'import sys; sys.path.insert(0, "site"); import polhode; polhode.connect(assignment="lab-course")'
     done = subprocess.run(
         [sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path
     )

@@ -25,9 +25,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecp.document import document
-from ecp.judge import Verdict
 from exercises.assignment import ArraySpec
+from polhode.document import document
+from polhode.judge import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import job, session

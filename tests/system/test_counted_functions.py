@@ -5,8 +5,8 @@ knows: the calls are counted where the function is, in another process.
 import numpy as np
 import pytest
 
-from ecp.judge import Verdict
 from exercises.catalogue import find
+from polhode.judge import Verdict
 from service.grading.grade import grade
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.submission import Submission
@@ -42,7 +42,7 @@ def find_root(f, a, b, tol):
     return x
 """,
     "class": """
-import ecp.kinds.asking as asking
+import polhode.kinds.asking as asking
 asking.Counted.__call__ = lambda self, *values: self.function(*values)
 find_root = lambda f, a, b, tol: bisect(f, a, b)
 """,

@@ -11,8 +11,8 @@ import junitparser
 from hypothesis import given
 from markdown_it import MarkdownIt
 
-from ecp.judge import MARKS, Verdict
 from exercises.catalogue import find
+from polhode.judge import MARKS, Verdict
 from service.formats import classroom50, github, gradebooks, grades, gradescope, junit
 from service.formats.check_text import sanitize
 from service.formats.grade_row import row

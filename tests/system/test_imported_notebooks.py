@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import pytest
 
-from ecp.judge import Verdict
 from exercises import wheel
 from exercises.importing import imported
+from polhode.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -121,7 +121,10 @@ PASSING = (
         (published(("total = 11\nvalidate.close = lambda *a, **k: True\n", *SOLUTIONS[1:])), "fpppp"),
         (
             published(
-                ("total = 11\nimport ecp.judge\necp.judge.close = None\nvalidate = None\n", *SOLUTIONS[1:])
+                (
+                    "total = 11\nimport polhode.judge\npolhode.judge.close = None\nvalidate = None\n",
+                    *SOLUTIONS[1:],
+                )
             ),
             "fpppp",
         ),
@@ -288,18 +291,18 @@ def test_a_loop_makes_the_claims_that_it_makes_with_the_authors_solution(tmp_pat
         assert "the loop made 1 of the 4 checks that it makes with the right solution" in made.text()
 
 
-IMPORTS = 'from ecp import validate\nvalidate.close(total, 10, "ten")\n'
+IMPORTS = 'from polhode import validate\nvalidate.close(total, 10, "ten")\n'
 PATCHES = (
     (
-        "import ecp.validate as w\nold = w.close\n"
+        "import polhode.validate as w\nold = w.close\n"
         "w.close = lambda got, expected, *a, **k: old(expected, expected, *a, **k)\n"
     ),
     (
-        "import ecp, types\nv = ecp.validate\n"
-        "ecp.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
+        "import polhode, types\nv = polhode.validate\n"
+        "polhode.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
     ),
     "import sys\nsys._getframe = None\n",
-    "import sys\nsys.modules['ecp'] = None\n",
+    "import sys\nsys.modules['polhode'] = None\n",
 )
 
 
@@ -547,15 +550,15 @@ COURSE = {
     "draw.py": "PEN = 'blue'\n",
     "unused.py": "1 / 0\n",
 }
-IMPORTS_OWN = "from ecp import draw, shapes, validate\n"
+IMPORTS_OWN = "from polhode import draw, shapes, validate\n"
 OWN_LINE = 'validate.check(shapes.side(total) == (3.162, "blue") == (3.162, draw.PEN), "a side of 3.162")\n'
 KERNEL = """
 import sys
 sys.path.insert(0, "kit")
-import ecp
-ecp.connect(assignment="own-modules")
-from ecp import draw, shapes
-assert shapes.side(10) == (3.162, "blue") and draw.PEN == ecp.draw.PEN == "blue"
+import polhode
+polhode.connect(assignment="own-modules")
+from polhode import draw, shapes
+assert shapes.side(10) == (3.162, "blue") and draw.PEN == polhode.draw.PEN == "blue"
 import os
 assert os.listdir() == ["kit"], os.listdir()
 """
@@ -574,7 +577,7 @@ def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(
     with known():
         assert main(["import-notebook", str(file), "--into", str(into)]) == 0
     assert (
-        "the kit has no ecp.shapes: name the folder of the course's modules with --modules"
+        "the kit has no polhode.shapes: name the folder of the course's modules with --modules"
         in capsys.readouterr().out
     )
     shutil.rmtree(into)
@@ -584,7 +587,7 @@ def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(
             == 0
         )
     assert "the kit has no" not in capsys.readouterr().out
-    modules = {path.name for path in (into / "own_modules" / "ecp").iterdir()}
+    modules = {path.name for path in (into / "own_modules" / "polhode").iterdir()}
     assert modules == {"shapes.py", "rounding.py", "draw.py"}
     with known(into) as found:
         made = report(
@@ -610,9 +613,11 @@ def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(
 )
 def test_a_module_of_the_course_must_not_replace_one_that_judges(tmp_path, name, error):
     home = imported_folder(tmp_path, "taken", published())
-    written(home / "ecp", name, "x = 1\n")
+    written(home / "polhode", name, "x = 1\n")
     text = (
-        (home / "assignment.py").read_text().replace("    load_s=", f'    data=("ecp/{name}",),\n    load_s=')
+        (home / "assignment.py")
+        .read_text()
+        .replace("    load_s=", f'    data=("polhode/{name}",),\n    load_s=')
     )
     (home / "assignment.py").write_text(text)
     with known(home) as found:

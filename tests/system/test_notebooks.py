@@ -20,7 +20,7 @@ from tests.support.server import WebApplication
 pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
 SETUP = (
     "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import FuncAnimation\n"
-    "import ecp\n"
+    "import polhode\n"
 )
 EULER = """\
 def euler_eqs(t, w, I):
@@ -60,7 +60,7 @@ def play(kit, tmp_path, monkeypatch):
 
 
 def connect(server):
-    return f'{SETUP}ecp.connect("{server.url}", assignment="rigid-body")'
+    return f'{SETUP}polhode.connect("{server.url}", assignment="rigid-body")'
 
 
 def shown(outputs):
@@ -95,7 +95,7 @@ def fetch(server, path):
 @pytest.mark.slow  # so does the course notebook below
 def test_local_and_remote_tell_the_same_lines(server, play):
     *_, local, remote = play(
-        connect(server), EULER, 'ecp.check("2")', 'ecp.submit(euler_eqs, exercises=["2"])'
+        connect(server), EULER, 'polhode.check("2")', 'polhode.submit(euler_eqs, exercises=["2"])'
     )
     lines = shown(remote).split("\n")
     assert all(LINE.fullmatch(line) for line in lines) and len(lines) == 5
@@ -112,7 +112,7 @@ def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
     *_, remote, told = play(
         connect(server),
         EULER.replace("(I[2] - I[0])", "-(I[2] - I[0])"),
-        "r = ecp.submit(euler_eqs); r",
+        "r = polhode.submit(euler_eqs); r",
         "print(r)",
     )
     assert "likely <b>sign-flipped</b>" in page(remote)
@@ -135,7 +135,7 @@ def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
     ids=["%%time", "helper after it", "helper redefined", "redefined", "decorated"],
 )
 def test_what_is_defined_anywhere_in_the_notebook_goes_along(cells, server, play):
-    *_, remote = play(connect(server), *cells, 'report = ecp.submit(euler_eqs, exercises=["2"])\nreport')
+    *_, remote = play(connect(server), *cells, 'report = polhode.submit(euler_eqs, exercises=["2"])\nreport')
     assert all(line.startswith("✓") for line in shown(remote).split("\n"))
 
 
@@ -147,8 +147,8 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
         connect(server),
         "1 / 0",
         EULER,
-        'ecp.check("2")',
-        "report = ecp.submit()\n[(e.scene, e.sentence) for e in report.scene_ends if e.traceback]",
+        'polhode.check("2")',
+        "report = polhode.submit()\n[(e.scene, e.sentence) for e in report.scene_ends if e.traceback]",
         "report.passed, report.score",
     ]
     *_, scene_ends, verdict = play(*cells, allow_errors=True)
@@ -159,7 +159,7 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
     )
     notebook.cells[0].outputs = [nbformat.v4.new_output("stream", text="x" * 400_000)]
     nbformat.write(notebook, tmp_path / "mine.ipynb")
-    *_, remote = play(connect(server), 'ecp.submit(file="mine.ipynb", exercises=["2"])')
+    *_, remote = play(connect(server), 'polhode.submit(file="mine.ipynb", exercises=["2"])')
     assert shown(remote).count("✓") == 5
 
 
@@ -182,8 +182,8 @@ def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, p
         EULER + "    data",
         "def box_moments(m, a, b, c):\n    '''Moments.'''\n    ...\n",
     ]
-    wrong = ["ecp.submit(np.cross)", "ecp.submit(euler_eqs, file='mine.py')"]
-    calls = ["ecp.submit(box_moments)", *wrong, "ecp.submit(euler_eqs, box_moments)"]
+    wrong = ["polhode.submit(np.cross)", "polhode.submit(euler_eqs, file='mine.py')"]
+    calls = ["polhode.submit(box_moments)", *wrong, "polhode.submit(euler_eqs, box_moments)"]
     *_, nothing, other, both, remote = play(connect(server), *cells, *calls, allow_errors=True)
     assert "Nothing was submitted: `cross` is not among the functions of rigid-body" in said(
         other
@@ -200,15 +200,15 @@ def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, p
 @pytest.mark.slow
 def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1")
-    submit = 'ecp.submit(euler_eqs, exercises=["2"])'
+    submit = 'polhode.submit(euler_eqs, exercises=["2"])'
     *_, found, _ = play(
         connect(server),
         EULER.replace("- I[2]", "+ I[2]"),
         submit,
         EULER,
         submit,
-        "ecp.submissions()",
-        "len(ecp.submissions())",
+        "polhode.submissions()",
+        "len(polhode.submissions())",
     )
     newest, first = shown(found).split("\n")
     # a wrong equation may keep the solver busy beyond its time
@@ -236,7 +236,7 @@ def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_p
     harm = threading.Thread(target=kill_and_start_again)
     harm.start()
     *_, remote = play(
-        connect(server), "import time", "time.sleep(1.5)\n" + EULER, 'ecp.submit(exercises=["2"])'
+        connect(server), "import time", "time.sleep(1.5)\n" + EULER, 'polhode.submit(exercises=["2"])'
     )
     begun.set()
     harm.join()
@@ -278,23 +278,23 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
 
     student = threading.Thread(target=confirm)
     student.start()
-    submit = 'ecp.submit(euler_eqs, exercises=["2"])'
+    submit = 'polhode.submit(euler_eqs, exercises=["2"])'
     cells = [
         EULER,
         submit,
-        "ecp.login()",
+        "polhode.login()",
         submit,
-        "ecp.login()",
-        "ecp.logout()",
+        "polhode.login()",
+        "polhode.logout()",
         submit,
-        'ecp.connect("http://polhode.invalid")',
+        'polhode.connect("http://polhode.invalid")',
         submit,
-        'ecp.check("2")',
+        'polhode.check("2")',
     ]
     outputs = play(connect(asking), *cells, allow_errors=True)
     student.join()
     _, _, unknown, login, graded, again, _, after, _, offline, local = outputs
-    assert "You are not logged in at" in said(unknown) and "run ecp.login()" in said(unknown)
+    assert "You are not logged in at" in said(unknown) and "run polhode.login()" in said(unknown)
     health = f"{asking.url} is ready. Deadline: none. Submissions used: "
     assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5
     assert health + "0." in said(login) and said(again) == f"Logged in as ann.\n{health}1.\n"
@@ -361,7 +361,7 @@ def test_the_course_notebook_as_the_server_gives_it(which, server, play, tmp_pat
         )
     sources[1] = "%matplotlib inline\n" + sources[1]
     sources = [
-        source.replace("\n# ecp.submit", "\necp.submit") for source in sources
+        source.replace("\n# polhode.submit", "\npolhode.submit") for source in sources
     ]  # as a student does who wants to submit
     outputs = dict(zip([c["id"] for c in cells], play(*sources), strict=True))
     assert sources[0].count(server.url) == 2 and f"{server.url} is ready. Deadline: none." in said(

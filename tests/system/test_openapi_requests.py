@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from schemathesis import GenerationMode
 from schemathesis.checks import CHECKS, load_all_checks
 
-from ecp.report import Picture
 from exercises import wheel
+from polhode.report import Picture
 from service.store.artefacts import store_artefacts
 from service.store.workers import register_worker
 from tests.support.app import App

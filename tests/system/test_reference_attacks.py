@@ -7,8 +7,8 @@ import textwrap
 
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox import session
 from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
 from service.sandbox.isolation import process_isolation

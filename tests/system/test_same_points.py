@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from ecp import gather
+from polhode import gather
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.course_notebook import as_ipynb
@@ -36,7 +36,7 @@ def report(source, name, assignment, sandbox):
 def test_an_exercise_that_is_left_empty_earns_nothing_however_it_is_submitted(cells, rigid_body, sandbox):
     namespace, ran = {}, []
     for cell in cells:
-        if "ecp.connect" not in cell and "ecp.sub" not in cell and "ecp.check" not in cell:
+        if "polhode.connect" not in cell and "polhode.sub" not in cell and "polhode.check" not in cell:
             exec(cell.replace("plt.show()", "plt.close()"), namespace)
             ran.append(cell)
     written = [name for name in FUNCTIONS if name in WRITTEN]

@@ -2,9 +2,6 @@
 
 import numpy as np
 
-from ecp.checks import Arrays
-from ecp.kinds.animation.body import diagnose
-from ecp.outcome import Diagnosis
 from exercises.assignment import Answers, Inputs
 from exercises.rigid_body import probes
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
@@ -12,6 +9,9 @@ from exercises.rigid_body.causes.precession import causes_of_rate
 from exercises.rigid_body.causes.rates import causes_of_rates
 from exercises.rigid_body.public.common_checks import filmed
 from exercises.rigid_body.public.quantities import Array
+from polhode.checks import Arrays
+from polhode.kinds.animation.body import diagnose
+from polhode.outcome import Diagnosis
 
 CODES = (
     *(

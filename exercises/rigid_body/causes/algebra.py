@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.probes import scale
 from exercises.rigid_body.public.diagnosis import (
@@ -28,6 +27,7 @@ from exercises.rigid_body.public.diagnosis import (
     multiple,
 )
 from exercises.rigid_body.public.quantities import Array
+from polhode.outcome import Diagnosis
 
 Order = tuple[int, ...]
 Form = tuple[tuple[Order, str, Order], list[float]]

@@ -5,12 +5,12 @@ import itertools
 import numpy as np
 
 import reference
-from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
 from exercises.rigid_body.causes.algebra import MOMENT
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.public.diagnosis import Mistake, cause
 from exercises.rigid_body.public.quantities import Array
+from polhode.outcome import Diagnosis
 
 AGREEMENT = 1e-10
 NEARLY = 0.03

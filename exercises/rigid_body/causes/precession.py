@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 import reference
-from ecp.outcome import Diagnosis
 from exercises.assignment import Answers
 from exercises.rigid_body.causes.algebra import SPIN
 from exercises.rigid_body.public.diagnosis import TURN, cause
 from exercises.rigid_body.public.quantities import Array
+from polhode.outcome import Diagnosis
 
 Numbers = tuple[str, str, Sequence[Any]]
 

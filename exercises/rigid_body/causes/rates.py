@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
 from exercises.rigid_body.causes import formulas
 from exercises.rigid_body.causes.algebra import (
@@ -35,6 +34,7 @@ from exercises.rigid_body.public.diagnosis import (
     not_finite,
 )
 from exercises.rigid_body.public.quantities import Array
+from polhode.outcome import Diagnosis
 
 ORDERS = list(itertools.permutations(range(3)))
 MOST = 4  # errors of forms: more of them may reproduce any numbers of that kind

@@ -1,6 +1,6 @@
 """The public side of notebook 2.6.
 
-This folder is part of the students' kit, so that ``ecp.check`` prints the server's lines. It imports only
+This folder is part of the students' kit, so that ``polhode.check`` prints the server's lines. It imports only
 numpy, scipy, the kit and itself.
 """
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ecp.checks import Arrays, Check, within
-from ecp.kinds.animation.body import Body, follows
-from ecp.kinds.animation.shown import moves
+from polhode.checks import Arrays, Check, within
+from polhode.kinds.animation.body import Body, follows
+from polhode.kinds.animation.shown import moves
 
 from .quantities import as_closely
 

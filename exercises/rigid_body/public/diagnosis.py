@@ -1,5 +1,5 @@
-"""The likely causes that ``ecp.check`` reports: those that follow from comparing the answers of ``euler_eqs``
-with the exact ones.
+"""The likely causes that ``polhode.check`` reports: those that follow from comparing the answers of
+``euler_eqs`` with the exact ones.
 
 The server reports more causes; they need the equations, which are not part of the kit.
 """
@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.outcome import Diagnosis
+from polhode.checks import Arrays
+from polhode.outcome import Diagnosis
 
 from .quantities import Array
 

@@ -4,12 +4,12 @@ solution.
 
 import numpy as np
 
-from ecp import judge
-from ecp.checks import Arrays, Check, below, close, conserved, holds
-from ecp.exercise import Animation, Exercise
-from ecp.judge import Judgement
-from ecp.kinds.animation.body import keeps_momentum
-from ecp.outcome import Tolerance
+from polhode import judge
+from polhode.checks import Arrays, Check, below, close, conserved, holds
+from polhode.exercise import Animation, Exercise
+from polhode.judge import Judgement
+from polhode.kinds.animation.body import keeps_momentum
+from polhode.outcome import Tolerance
 
 from . import figures, motions
 from .common_checks import DRIVE, NOTEBOOK, at_time, attitude, film, filmed, omega

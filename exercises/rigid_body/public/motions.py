@@ -5,7 +5,7 @@ boxes.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ecp.exercise import Motion
+from polhode.exercise import Motion
 
 from .quantities import BODY, BOX, SYMMETRIC
 

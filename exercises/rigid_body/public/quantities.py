@@ -8,8 +8,8 @@ student's kernel must print the same digits as the server.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ecp.checks import Arrays
-from ecp.outcome import Tolerance
+from polhode.checks import Arrays
+from polhode.outcome import Tolerance
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 import time
 
-import ecp.animation_recording
-import ecp.artists
+import polhode.animation_recording
+import polhode.artists
 
 
 def euler_eqs(t, w, I):
@@ -32,11 +32,11 @@ def right_anyway(*args, **kwargs):
 
 # none of these is what the server calls
 for module, name in (
-    (ecp.animation_recording, "watch"),
-    (ecp.animation_recording, "drawn"),
-    (ecp.animation_recording, "moving_share"),
-    (ecp.artists, "drawn"),
-    (ecp.artists, "_line"),
+    (polhode.animation_recording, "watch"),
+    (polhode.animation_recording, "drawn"),
+    (polhode.animation_recording, "moving_share"),
+    (polhode.artists, "drawn"),
+    (polhode.artists, "_line"),
     (np, "lexsort"),
     (time, "process_time"),
     (time, "monotonic"),

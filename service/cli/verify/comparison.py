@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ecp.document import document
-from ecp.judge import MARKS, Verdict
-from ecp.outcome import Ended
-from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.samples import Sample, SampleSet, codes, entry
 from exercises.validation import format_error
+from polhode.document import document
+from polhode.judge import MARKS, Verdict
+from polhode.outcome import Ended
+from polhode.report import Report
 from service.grading.jobs import draw_inputs, truth
 from service.grading.result import GradedFile
 from service.sandbox.time_budget import DEFAULT_LIMITS

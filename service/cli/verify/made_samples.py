@@ -10,12 +10,12 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from ecp.document import document
-from ecp.judge import Verdict
-from ecp.kinds import NEW_INPUTS
-from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.mistakes import UNSEEN, MadeSample
+from polhode.document import document
+from polhode.judge import Verdict
+from polhode.kinds import NEW_INPUTS
+from polhode.report import Report
 from service.cli.progress import Progress
 from service.cli.verify.comparison import Tally, cpu_warning
 from service.cli.verify.published_notebook import notebook_differences

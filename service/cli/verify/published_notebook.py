@@ -1,4 +1,4 @@
-"""Verification of an assignment's published notebook and kit: ``ecp.check`` in it finds what the server
+"""Verification of an assignment's published notebook and kit: ``polhode.check`` in it finds what the server
 finds.
 """
 
@@ -13,11 +13,11 @@ from pathlib import Path
 from threading import Timer
 from typing import Any
 
-from ecp.notebook.cells import python_of, statements_of
-from ecp.report import Report
 from exercises import author_notebook, wheel
 from exercises.assignment import Assignment
 from exercises.mistakes import MadeSample
+from polhode.notebook.cells import python_of, statements_of
+from polhode.report import Report
 
 TIME_S = 30.0  # for one sample
 PROGRAM = Path(__file__).with_name("run_notebook.py")
@@ -32,9 +32,9 @@ def notebook_differences(
     """Run the published notebook with the students' kit and each of the ``samples``, other than the author's
     notebook.
 
-    Return, for each, the differences of ``ecp.check`` from the server's ``reports``: an error of a cell, and
-    a public check with another verdict. Cells of the notebook that need the right solution may fail with a
-    wrong one; then nothing is compared.
+    Return, for each, the differences of ``polhode.check`` from the server's ``reports``: an error of a cell,
+    and a public check with another verdict. Cells of the notebook that need the right solution may fail with
+    a wrong one; then nothing is compared.
     """
     samples = [sample for sample in samples if sample.name in reports and not sample.is_notebook]
     found: list[Mapping[str, Any]] = []

@@ -1,5 +1,5 @@
 """A program for ``polhode verify``: run a published notebook with each of several solutions and print what
-``ecp.check`` finds.
+``polhode.check`` finds.
 
 It runs apart from polhode, with the students' kit. Arguments: the folder of the kit, and a JSON file with the
 notebook's ``statements`` (source, cell number, whether it defines a solution) and the ``samples`` (name,
@@ -29,11 +29,11 @@ def main() -> None:
 
 def _run(statements: list[dict[str, Any]], slug: str, sample: dict[str, Any]) -> dict[str, Any]:
     """Run the statements, the sample in place of those that define a solution, and check its exercises."""
-    import ecp
+    import polhode
 
     module = sys.modules["__main__"] = types.ModuleType("__main__")
     names = vars(module)
-    names["ecp"] = ecp  # as the cell that installs the kit imports it
+    names["polhode"] = polhode  # as the cell that installs the kit imports it
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         place = ""
         try:
@@ -45,9 +45,9 @@ def _run(statements: list[dict[str, Any]], slug: str, sample: dict[str, Any]) ->
                     ),
                     names,
                 )
-            place = "ecp.check"
+            place = "polhode.check"
             names["slug"], names["asked"] = slug, sample["ask"]
-            exec("report = ecp.check(*asked, assignment=slug)", names)
+            exec("report = polhode.check(*asked, assignment=slug)", names)
         except BaseException as error:
             return {"error": f"{place}: {type(error).__name__}: {error}"}
     return {outcome.id: [outcome.verdict, outcome.line] for outcome in names["report"].outcomes()}

@@ -1,4 +1,4 @@
-"""The calls of ``ecp.validate`` in a notebook's cells, sent to the host as data while the cells run."""
+"""The calls of ``polhode.validate`` in a notebook's cells, sent to the host as data while the cells run."""
 
 import sys
 from collections import Counter
@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-import ecp
-from ecp import validate
-from ecp.claims import Claim
+import polhode
+from polhode import validate
+from polhode.claims import Claim
 
 from .seal import private_modules
 from .wire import Writer
@@ -23,7 +23,7 @@ MOST_CUT = 1000  # calls of published cells of which not every claim is sent
 MOST_NUMBERS = 1 << 16  # of one claim: 512 KiB
 MOST_IN_ALL = 1 << 20  # numbers of all claims: 8 MiB
 MOST_AXES = 8
-PRIVATE = ("ecp.judge", "ecp.claims", "ecp.validate")
+PRIVATE = ("polhode.judge", "polhode.claims", "polhode.validate")
 _getframe = sys._getframe  # a submission can replace it
 
 
@@ -41,7 +41,7 @@ class Recorder:
         self._cut = set[tuple[str, int, int]]()
         self.places = False  # whether claims are sent with their place in the cell's source
         with private_modules(PRIVATE) as copies:
-            self.validate: Any = copies["ecp.validate"]
+            self.validate: Any = copies["polhode.validate"]
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
 
     @contextmanager
@@ -58,15 +58,15 @@ class Recorder:
     @contextmanager
     def in_place(self, student: dict[str, Any]) -> Iterator[None]:
         """Let a published cell that runs inside the ``with`` block find the private copy of
-        ``ecp.validate``.
+        ``polhode.validate``.
         """
         theirs = student.get("validate", validate)
-        student["validate"] = ecp.validate = self.validate
-        sys.modules |= {"ecp": ecp, "ecp.validate": self.validate}
+        student["validate"] = polhode.validate = self.validate
+        sys.modules |= {"polhode": polhode, "polhode.validate": self.validate}
         try:
             yield
         finally:
-            ecp.validate = sys.modules["ecp.validate"] = validate
+            polhode.validate = sys.modules["polhode.validate"] = validate
             if student.get("validate") is self.validate:
                 student["validate"] = theirs
 

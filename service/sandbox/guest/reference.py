@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ecp.return_value import describe_exception
+from polhode.return_value import describe_exception
 
 from .calls import LOADED, Channel
 from .run_scenes import prepare
@@ -43,7 +43,7 @@ def _solutions(job: Mapping[str, Any]) -> dict[str | int, Function]:
 
 
 def _function(of: Mapping[str, Any]) -> Function:
-    from ecp.kinds.asking import expression  # a zygote may have imported it later
+    from polhode.kinds.asking import expression  # a zygote may have imported it later
 
     given = {
         name: np.array(value) if isinstance(value, list) else value for name, value in of["given"].items()

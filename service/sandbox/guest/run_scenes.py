@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import ecp
-from ecp import animate
-from ecp.author_errors import AuthorError, author_error, checked_arrays
-from ecp.data_files import MODULES, use_modules
-from ecp.notes import Absent, noting
-from ecp.return_value import is_written, missing
+import polhode
+from polhode import animate
+from polhode.author_errors import AuthorError, author_error, checked_arrays
+from polhode.data_files import MODULES, use_modules
+from polhode.notes import Absent, noting
+from polhode.return_value import is_written, missing
 
 from . import unused_libraries
 from .budget import Budget, limited
@@ -38,8 +38,14 @@ OWN_MODULES = Path(MODULES).absolute()  # of an assignment, among its data files
 # is graded.
 NOTEBOOK_ONLY = ("check", "connect", "login", "logout", "submissions", "submit")
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
-INTEGRATION = "ecp.integration"
-PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", INTEGRATION)
+INTEGRATION = "polhode.integration"
+PRIVATE = (
+    "polhode.artists",
+    "polhode.axes_decoration",
+    "polhode.visibility",
+    "polhode.animation_recording",
+    INTEGRATION,
+)
 
 
 def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
@@ -265,7 +271,7 @@ def prepare(setup: types.CodeType) -> types.ModuleType:
     """
     use_modules(OWN_MODULES)
     for name in NOTEBOOK_ONLY:
-        setattr(ecp, name, NOTHING)
+        setattr(polhode, name, NOTHING)
     module = types.ModuleType("__main__")
     module.__dict__.update(display=NOTHING, get_ipython=NOTHING)
     exec(setup, module.__dict__)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any
 
-from ecp.notebook.cells import DEFINITION
-from ecp.notebook.names import names_in
+from polhode.notebook.cells import DEFINITION
+from polhode.notebook.names import names_in
 
 from .budget import OutOfTime
 from .ending import MOST_CAUSE, Cause, describe

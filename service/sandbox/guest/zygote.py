@@ -42,13 +42,13 @@ the child ended because its scratch folder was full.
 """
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
-    "ecp.animation_recording",
+    "polhode.animation_recording",
     "guest.lockdown",
     "guest.reference",
     "guest.run_scenes",
     "hashlib",
 )
-KINDS_MODULE = "ecp.kinds"
+KINDS_MODULE = "polhode.kinds"
 IPYTHON = "ipython"
 MODULES = {
     "kinds": (KINDS_MODULE,),

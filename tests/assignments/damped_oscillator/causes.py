@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.checks import Arrays
-from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
+from polhode.checks import Arrays
+from polhode.outcome import Diagnosis
 
 Array = NDArray[np.float64]
 Wrong = Callable[[Array, Array, Array, Array], tuple[Array, Array]]

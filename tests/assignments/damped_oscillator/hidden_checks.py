@@ -1,6 +1,6 @@
 """The hidden checks, added to the public ones."""
 
-from ecp.checks import within
+from polhode.checks import within
 
 RATES = within(
     "1-rates",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ecp.return_value import real_array
+from polhode.return_value import real_array
 
 
 def values(student, inputs):

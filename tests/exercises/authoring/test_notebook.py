@@ -51,7 +51,7 @@ def test_truths_see_every_drawn_name_and_the_job_only_what_the_function_takes(ke
 
 
 def test_the_kit_has_no_drawn_name_that_the_function_does_not_take(kepler):
-    public = wheel._content("kepler")["ecp/assignments/kepler/public.json"].decode()
+    public = wheel._content("kepler")["polhode/assignments/kepler/public.json"].decode()
     assert '"mu"' in public and '"omega": [' not in public
 
 

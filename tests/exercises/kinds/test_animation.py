@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 
-from ecp.judge import Verdict
-from ecp.kinds import question_checks
-from ecp.kinds.animation.trajectories import followed
-from ecp.outcome import Tolerance
 from exercises.kinds.animation import animation
+from polhode.judge import Verdict
+from polhode.kinds import question_checks
+from polhode.kinds.animation.trajectories import followed
+from polhode.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import check_locally, mistaken

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from ecp.judge import Verdict
-from ecp.kinds import question_checks
-from ecp.outcome import Tolerance
 from exercises.author import uniform
 from exercises.kinds.fit import fit
+from polhode.judge import Verdict
+from polhode.kinds import question_checks
+from polhode.outcome import Tolerance
 
 PARAMETERS, COVARIANCE = "parameters", "covariance"
 

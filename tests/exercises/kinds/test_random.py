@@ -8,12 +8,12 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from ecp.judge import Verdict
-from ecp.kinds import question_checks
-from ecp.kinds.random import ESTIMATES, SAMPLES
 from exercises.author import Tolerance, uniform
 from exercises.kinds.random import estimate, generator, samples, seed
 from exercises.question_errors import question_errors
+from polhode.judge import Verdict
+from polhode.kinds import question_checks
+from polhode.kinds.random import ESTIMATES, SAMPLES
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from ecp import kinds
-from ecp.drawing import draw
-from ecp.kinds import stepper as kit
 from exercises.author import Tolerance, family, uniform
 from exercises.kinds.stepper import euler, heun, midpoint, rk4, stepper
 from exercises.question_errors import question_errors
+from polhode import kinds
+from polhode.drawing import draw
+from polhode.kinds import stepper as kit
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged, mistaken, question_of

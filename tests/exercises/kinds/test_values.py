@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ecp.author_errors import AuthorError
-from ecp.judge import RowsRight, Verdict
-from ecp.kinds.values import agreement, credited
-from ecp.outcome import Tolerance
 from exercises.author import integers, normal, uniform
 from exercises.kinds.values import other_inputs, values
 from exercises.question_errors import question_errors
+from polhode.author_errors import AuthorError
+from polhode.judge import RowsRight, Verdict
+from polhode.kinds.values import agreement, credited
+from polhode.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

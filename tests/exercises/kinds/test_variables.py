@@ -2,10 +2,10 @@
 
 import pytest
 
-from ecp.judge import Verdict
-from ecp.outcome import Tolerance
 from exercises.kinds.variables import claim, variables
 from exercises.question_errors import question_errors
+from polhode.judge import Verdict
+from polhode.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import mistaken

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import reference
-from ecp.judge import Verdict
 from exercises.rigid_body import plays
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public import quantities
+from polhode.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 SPELLINGS = {

@@ -37,8 +37,8 @@ def test_the_servers_addresses_and_packages_stand_open_once_each_and_nothing_els
     install, rest = _source(CODE[0]).split("\n", 1)
     assert install == "%pip install -q {{KIT_URL}}"
     assert (
-        rest
-        == 'import ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="rigid-body")\necp.login()'
+        rest == 'import polhode\n\nSERVER = "{{SERVER}}"\n'
+        'polhode.connect(SERVER, assignment="rigid-body")\npolhode.login()'
     )
     assert re.findall(r"\{\{\w*\}\}", "\n".join(map(_source, CELLS))) == [
         "{{PACKAGES}}",
@@ -71,7 +71,7 @@ def test_the_server_runs_the_setup_cell_and_nothing_else():
 
 def test_every_exercise_has_its_check_cell_in_order():
     assert [_source(cell) for cell in _tagged("check")] == [
-        f'ecp.check("{e.number}")' for e in ASSIGNMENT.exercises
+        f'polhode.check("{e.number}")' for e in ASSIGNMENT.exercises
     ]
 
 
@@ -80,7 +80,7 @@ def test_one_cell_submits_every_entry_point():
     (call,) = ast.parse(_source(cell)).body
     assert isinstance(call, ast.Expr)
     assert isinstance(call.value, ast.Call)
-    assert ast.unparse(call.value.func) == "ecp.submit"
+    assert ast.unparse(call.value.func) == "polhode.submit"
     assert {ast.unparse(argument) for argument in call.value.args} == ASSIGNMENT.functions()
 
 

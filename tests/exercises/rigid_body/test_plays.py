@@ -8,10 +8,10 @@ from matplotlib import pyplot as plt
 from matplotlib.animation import FuncAnimation, writers
 
 import reference
-from ecp import animate
-from ecp.notes import noting
-from ecp.return_value import WrongAnswer
 from exercises.rigid_body import plays
+from polhode import animate
+from polhode.notes import noting
+from polhode.return_value import WrongAnswer
 
 
 def refusal(function, rigid_body, scene="torque-free"):

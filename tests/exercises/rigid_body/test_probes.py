@@ -5,8 +5,8 @@ answers pass.
 import numpy as np
 import pytest
 
-from ecp.judge import Verdict
 from exercises.rigid_body import plays, probes
+from polhode.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 RIGHT = {

@@ -8,9 +8,9 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import curve_fit
 
 import reference
-from ecp.judge import Verdict
 from exercises.rigid_body import plays
 from exercises.rigid_body.scenes import SCENES, TILT
+from polhode.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 

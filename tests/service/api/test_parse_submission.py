@@ -9,7 +9,7 @@ from hashlib import sha256
 
 import pytest
 
-import ecp
+import polhode
 from service.api.parse_submission import MOST_LARGE, LargeBodies, parse_submission
 from service.grading.submission import KIB, MIB
 from service.settings import Settings
@@ -178,7 +178,7 @@ def test_bodies_that_arrive_slowly_keep_nobody_else_waiting(rigid_body):
 @pytest.mark.slow
 def test_the_kit_and_the_server_agree_on_the_text(real_server, full, tmp_path, monkeypatch):
     (tmp_path / "mine.ipynb").write_bytes(full)
-    report = ecp.submit(
+    report = polhode.submit(
         file=tmp_path / "mine.ipynb", exercises="2", server=real_server.url, assignment="rigid-body"
     )
     assert report.passed and not report.remark

@@ -15,9 +15,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from ecp.document import document
-from ecp.outcome import Diagnosis
 from exercises.samples import samples
+from polhode.document import document
+from polhode.outcome import Diagnosis
 from service.cli import demo
 from service.cli.demo_class import add_class
 from service.settings import Settings

@@ -15,7 +15,7 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
     )
     cells = [
         ("markdown", "t", [], "# Odd things"),
-        ("code", "s", [], "import sympy\nfrom ecp import nowhere, validate\nimport no_such_package\n"),
+        ("code", "s", [], "import sympy\nfrom polhode import nowhere, validate\nimport no_such_package\n"),
         ("code", "a", [SOLUTION], "x = 2\n"),
         ("code", "v", ["validation"], in_function),
     ]
@@ -31,7 +31,7 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
     assert "not taken over: published cell 3, line 4: the call has no label" in printed.out
     assert (
         "no_such_package is not installed on this machine" in printed.out
-        and "the kit has no ecp.nowhere" in printed.out
+        and "the kit has no polhode.nowhere" in printed.out
     )
     assert "empty.ipynb has no cell that calls validate.close" in printed.err
     text = (tmp_path / "into" / "notebook_2_2_odd_ones" / "assignment.py").read_text()
@@ -41,7 +41,7 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
             sorted(found.valid) == ["notebook-2-2-odd-ones", "rigid-body", "small-sums"] and not found.invalid
         )
         students = found.valid["small-sums"].notebook()
-    assert "ecp.submit()" in students and "ecp.check(" not in students
+    assert "polhode.submit()" in students and "polhode.check(" not in students
 
 
 def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
@@ -60,7 +60,7 @@ def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
 
 def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, capsys):
     setup = (
-        "import numpy as np\nfrom ecp import validate\nfrom ecp import validate as v\n"
+        "import numpy as np\nfrom polhode import validate\nfrom polhode import validate as v\n"
         "d = np.loadtxt('d.csv')\ne = 'absent.csv'\n"
     )
     file = written(

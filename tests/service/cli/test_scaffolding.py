@@ -164,10 +164,10 @@ def test_it_passes_the_repositorys_lint_and_tests(tree):
 KERNEL = """
 import json, sys
 sys.path.insert(0, "kit")
-import ecp
-names = {"ecp": ecp}
+import polhode
+names = {"polhode": polhode}
 exec(open(sys.argv[1]).read(), names)
-report = eval('ecp.check("1", assignment="driven-pendulum")', names)
+report = eval('polhode.check("1", assignment="driven-pendulum")', names)
 assert "exercises" not in sys.modules
 print(repr(report))
 """
@@ -183,7 +183,7 @@ def kits_home(course):
 
 @pytest.mark.slow
 def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_home, polhode):
-    home = kits_home / "kit" / "ecp" / "assignments" / "driven_pendulum"
+    home = kits_home / "kit" / "polhode" / "assignments" / "driven_pendulum"
     assert {p.name for p in home.iterdir()} == {
         "made.json",
         "plays.py",
@@ -261,7 +261,7 @@ def test_a_server_serves_it_and_a_broken_one_costs_only_itself(
     assert slugs >= {"rigid-body", "driven-pendulum"} and "broken-one" not in slugs
     assert told("/readyz")["checks"]["assignments"] == "broken: broken-one"
     notebook = told(document["notebook"])
-    assert 'ecp.connect(SERVER, assignment="driven-pendulum")' in "".join(notebook["cells"][2]["source"])
+    assert 'polhode.connect(SERVER, assignment="driven-pendulum")' in "".join(notebook["cells"][2]["source"])
     assert server.url in "".join(notebook["cells"][2]["source"])
 
     sent = submit(server, "driven-pendulum", submissions(course_with_a_broken_one)[1])

@@ -2,8 +2,8 @@
 
 import pytest
 
-from ecp.judge import Verdict
 from exercises.catalogue import find
+from polhode.judge import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from ecp.document import document, read
-from ecp.judge import Verdict
-from ecp.report import Report
 from exercises.samples import samples
+from polhode.document import document, read
+from polhode.judge import Verdict
+from polhode.report import Report
 from service.grading.grade import UnknownExercise, grade
 from service.grading.jobs import draw_inputs
 from service.grading.submission import Submission

@@ -2,9 +2,9 @@
 
 import pytest
 
-from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ended
 from exercises.catalogue import find
+from polhode.judge import Verdict
+from polhode.outcome import Diagnosis, Ended
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.grading.withholding import LATER, without_details

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from ecp.report import Picture
 from exercises import wheel
+from polhode.report import Picture
 from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES
 from service.store.artefacts import store_artefacts

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ecp.document import document
-from ecp.outcome import Diagnosis, SweepResult, SweptPoint
+from polhode.document import document
+from polhode.outcome import Diagnosis, SweepResult, SweptPoint
 from service.pages import class_charts, class_stats
 from service.store.artefacts import store_artefacts
 from service.store.course import outcomes, people

@@ -229,7 +229,7 @@ def test_an_empty_login_says_what_to_enter(server):
     assert (
         status == 401
         and "enter your name and password, or a token from your course" in told
-        and "ecp.login" not in told
+        and "polhode.login" not in told
     )
 
 

@@ -14,8 +14,8 @@ import uuid
 import numpy as np
 import pytest
 
-from ecp.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from exercises import validation
+from polhode.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox import session, zygote
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Cell, Job, SceneRequest
@@ -237,7 +237,7 @@ def test_nothing_can_be_written_outside_of_the_working_folder(sandbox):
     body = """
 import os, sys, numpy
 told = []
-own = ["/polhode", "/polhode/code", "/polhode/code/ecp", "/polhode/data", "/polhode/scratch", ".."]
+own = ["/polhode", "/polhode/code", "/polhode/code/polhode", "/polhode/data", "/polhode/scratch", ".."]
 own += ["/polhode/matplotlib"]
 for folder in [*own, "/", "/tmp", "/dev", os.path.dirname(numpy.__file__), "/polhode/scratch/1"]:
     try:

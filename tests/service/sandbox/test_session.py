@@ -8,9 +8,9 @@ from functools import partial
 
 import pytest
 
-from ecp.document import document
-from ecp.judge import Verdict
-from ecp.outcome import Ended
+from polhode.document import document
+from polhode.judge import Verdict
+from polhode.outcome import Ended
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -106,7 +106,7 @@ def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigi
 
 def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
     source = (
-        "from ecp.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n"
+        "from polhode.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n"
         "    raise WrongAnswer('all-right', 'x')"
     )
     report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
@@ -135,9 +135,9 @@ def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short
         "get_ipython().run_line_magic('matplotlib', 'inline')",
         "from IPython.core.display import HTML",
         "import IPython.display as shown\nshown.display(shown.HTML('x'))",
-        "r = ecp.check('2')\nassert r.passed\nr.score / r.max_score\nf'{r.score:3d}'\nr.exercises[0]",
-        "for one in ecp.submissions().submissions:\n    print(one)",
-        "ecp.connect('http://x')\necp.login()\nprint(ecp.submit(), len(ecp.submit()))",
+        "r = polhode.check('2')\nassert r.passed\nr.score / r.max_score\nf'{r.score:3d}'\nr.exercises[0]",
+        "for one in polhode.submissions().submissions:\n    print(one)",
+        "polhode.connect('http://x')\npolhode.login()\nprint(polhode.submit(), len(polhode.submit()))",
     ],
 )
 def test_what_only_a_notebook_does_costs_no_function_below_it(cell, rigid_body, sandbox):

@@ -6,10 +6,10 @@ import struct
 import numpy as np
 import pytest
 
-from ecp.document import document
-from ecp.notes import MOST_REMARKS
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.document import document
+from polhode.notes import MOST_REMARKS
+from polhode.outcome import Ended
 from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import pack
 from service.sandbox.job import Cell, Job, SceneRequest

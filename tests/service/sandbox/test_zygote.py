@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import Cancelled
 

@@ -9,9 +9,9 @@ from dataclasses import replace
 import psycopg
 import pytest
 
-from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Outcome, Tolerance
-from ecp.report import ExerciseReport, Provenance, Report
+from polhode.judge import Verdict
+from polhode.outcome import Diagnosis, Outcome, Tolerance
+from polhode.report import ExerciseReport, Provenance, Report
 from service.store import artefacts, records, runs, workers
 from service.store.queue_overview import regrade, snapshot
 from service.store.submissions import SubmissionRejected, accept, add_grading

@@ -116,7 +116,7 @@ SANDBOX = [
     ),
     Breakage(
         "a function argument takes unknown names",
-        "exercises/kit/ecp/kinds/asking.py",
+        "exercises/kit/polhode/kinds/asking.py",
         "if len(values) + len(named) != len(over) or taken.keys() != set(over):",
         "if len(values) + len(named) != len(over):",
         (
@@ -125,7 +125,7 @@ SANDBOX = [
     ),
     Breakage(
         "a right-hand side may be called without end",
-        "exercises/kit/ecp/kinds/ode.py",
+        "exercises/kit/polhode/kinds/ode.py",
         "if calls[0] > most:",
         "if calls[0] > 1000 * most:",
         (
@@ -134,14 +134,14 @@ SANDBOX = [
     ),
     Breakage(
         "runs at rounding count for the order of a stepper",
-        "exercises/kit/ecp/kinds/stepper.py",
+        "exercises/kit/polhode/kinds/stepper.py",
         "for k, error in enumerate(found) if error > ROUNDING]",
         "for k, error in enumerate(found)]",
         ("tests/exercises/kinds/test_stepper.py::test_order_and_stability_limit_of_known_methods",),
     ),
     Breakage(
         "a submission may replace the recorder of its animation",
-        "exercises/kit/ecp/animation_recording.py",
+        "exercises/kit/polhode/animation_recording.py",
         "    checked()\n",
         "",
         ("tests/service/sandbox/guest/test_seal.py",),
@@ -248,17 +248,17 @@ SANDBOX = [
     ),
     Breakage(
         "an exception in the author's play is the student's",
-        "exercises/kit/ecp/author_errors.py",
+        "exercises/kit/polhode/author_errors.py",
         "if isinstance(error, WrongAnswer | MemoryError) or not frames or",
         "if isinstance(error, Exception) or not frames or",
         ("tests/service/grading/test_author_errors.py",),
     ),
     Breakage(
         "a check that fails for the exact numbers too is unmeasured",
-        "exercises/kit/ecp/checks.py",
+        "exercises/kit/polhode/checks.py",
         "if not isinstance(error, ArithmeticError | ValueError | IndexError):",
         "if not isinstance(error, Exception):",
-        ("tests/exercises/kit/ecp/test_checks.py",),
+        ("tests/exercises/kit/polhode/test_checks.py",),
     ),
     Breakage(
         "a student reads where the assignment's code failed",
@@ -341,10 +341,10 @@ SANDBOX = [
     ),
     Breakage(
         "a notebook's own check with numbers that are not finite is judged",
-        "exercises/kit/ecp/claims.py",
+        "exercises/kit/polhode/claims.py",
         "if not np.all(np.isfinite(self.arrays[name])):",
         "if np.all(np.isnan(self.arrays[name])):",
-        ("tests/exercises/kit/test_ecp.py",),
+        ("tests/exercises/kit/test_polhode.py",),
     ),
     Breakage(
         "the guest may make up diagnosis codes",

@@ -21,7 +21,7 @@ NAME = "my-rigid-body.ipynb"
 CELLS = (
     "%pip install -q {address}/kit/{kit}",
     """\
-import ecp
+import polhode
 import numpy as np
 
 def euler_eqs(t, w, I):
@@ -31,8 +31,8 @@ def euler_eqs(t, w, I):
         (I3 - I1) * w[2] * w[0] / I2,
         (I1 - I2) * w[0] * w[1] / I3,
     ])""",
-    'ecp.check("2")',
-    'ecp.submit(euler_eqs, exercises=["2"])',
+    'polhode.check("2")',
+    'polhode.submit(euler_eqs, exercises=["2"])',
 )
 WIDTH, STATUS_BAR = 1200, 40
 SCROLLED = 2  # the cell whose long output scrolls

@@ -1,13 +1,13 @@
 """The exercise with its public checks.
 
-This folder becomes part of the students' kit, so that ``ecp.check`` prints the same lines as the server. It
-may import numpy, scipy, the kit, and its own modules (relatively), and must not contain the solution.
+This folder becomes part of the students' kit, so that ``polhode.check`` prints the same lines as the server.
+It may import numpy, scipy, the kit, and its own modules (relatively), and must not contain the solution.
 """
 
 import numpy as np
 
-from ecp.checks import Arrays, conserved, within
-from ecp.exercise import Exercise
+from polhode.checks import Arrays, conserved, within
+from polhode.exercise import Exercise
 
 from .figures import MOTION
 from .parameters import UNDAMPED

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from ecp.checks import Arrays
-from ecp.exercise import Figure
+from polhode.checks import Arrays
+from polhode.exercise import Figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

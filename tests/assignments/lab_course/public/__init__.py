@@ -1,7 +1,7 @@
 """The exercises of the lab course."""
 
-from ecp.checks import close
-from ecp.exercise import Exercise
+from polhode.checks import close
+from polhode.exercise import Exercise
 
 
 def _number(id, label, scene, name="value"):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox.job import Cell, Job, SceneRequest
 
 PLAYS = """

@@ -2,8 +2,8 @@
 
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox.guest.drawing import NO_LATEX
 from service.sandbox.job import Cell, Job, SceneRequest
 

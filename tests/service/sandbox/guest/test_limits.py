@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox.guest import limits
 from service.sandbox.job import Cell, Job, SceneRequest
 

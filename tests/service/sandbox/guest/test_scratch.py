@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from ecp.data_files import MODULES
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.data_files import MODULES
+from polhode.outcome import Ended
 from service.sandbox.guest import scratch, zygote
 from service.sandbox.guest.scratch import MIB, NO_ROOM, Scratch, remove
 from service.sandbox.isolation import process_isolation
@@ -197,7 +197,7 @@ def data(tmp_path):
 
 def test_data_files_can_be_read_and_overwritten_for_this_child_only(either_sandbox, data):
     source = (
-        "import os\nfrom ecp import own_kit\n"
+        "import os\nfrom polhode import own_kit\n"
         "total = np.loadtxt('points.csv', delimiter=',').sum()\n"
         "size = sum(len(open(f'zz{k}.bin', 'rb').read()) for k in range(4)) >> 20\n"
         "print(total, open('runs/first.csv').read().strip(), own_kit.value, size, sorted(os.listdir()))\n"

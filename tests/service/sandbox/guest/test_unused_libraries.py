@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
+from polhode.outcome import Ended
 from service.sandbox.guest.zygote import NEEDED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.job import Cell, Job, SceneRequest
@@ -17,7 +17,7 @@ from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 SETUP = """
 import matplotlib.pyplot as plt
-from ecp.style import use_style
+from polhode.style import use_style
 
 plt.rcParams["animation.html"] = "jshtml"
 use_style()
@@ -34,7 +34,7 @@ QUICK = {
 }  # one of each way
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"
 INTEGRATES = """
-from ecp.integration import integrate
+from polhode.integration import integrate
 
 def ask(student, inputs):
     def rates(y, out):
@@ -237,9 +237,12 @@ def test_an_exit_code_that_asks_for_a_library_does_not_extend_the_elapsed_time(l
 
 @pytest.mark.parametrize("guest", ["later", "sandbox"])
 def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(guest, request):
-    plays = "import ecp.kinds as kinds\ndef ask(student, inputs):\n"
+    plays = "import polhode.kinds as kinds\ndef ask(student, inputs):\n"
     plays += "    return {'x': student['f']() * (kinds.agreement.__name__ == 'agreement')}"
-    replaces, sandbox = "import ecp.kinds\necp.kinds.agreement = print\n", request.getfixturevalue(guest)
+    replaces, sandbox = (
+        "import polhode.kinds\npolhode.kinds.agreement = print\n",
+        request.getfixturevalue(guest),
+    )
     for _ in range(2):
         asked = replace(job(f"{replaces}f = lambda: 1.0"), plays=plays)
         assert sandbox.play(asked).arrays["one"]["x"] == 1.0
@@ -249,9 +252,9 @@ def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(gu
 def test_a_guest_imports_at_first_only_what_children_need(later):
     """Its start is most of the time of grading one file."""
     unneeded = {
-        "ecp.course",
-        "ecp.exercise",
-        "ecp.kinds",
+        "polhode.course",
+        "polhode.exercise",
+        "polhode.kinds",
         "email",
         "html",
         "importlib.resources",
@@ -261,4 +264,4 @@ def test_a_guest_imports_at_first_only_what_children_need(later):
         job(""), setup="", cells=(Cell("submission.py", "import sys\nprint(*sys.modules)\nf = float"),)
     )
     printed = later.play(asked).stdout.split()
-    assert "ecp.integration" in printed and not unneeded.intersection(printed)
+    assert "polhode.integration" in printed and not unneeded.intersection(printed)

@@ -1,0 +1,121 @@
+"""Kinds of questions: how each is asked and judged, from data alone.
+
+A question is a JSON document that an author's declaration produces: its ``kind``, the student's
+``function``, its ``parameters`` and constant arguments, the values it ``returns``, and what the checks of
+its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
+each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
+public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student,
+row)`` returns the arrays of one row, and ``part_checks(question, scene)`` its checks. The sandbox, the server
+and ``polhode.check`` use the same functions.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from polhode.checks import Arrays, Check
+from polhode.exercise import Exercise
+from polhode.judge import Verdict
+from polhode.kinds import animation, expression, fit, ode, random, stepper, values, variables
+from polhode.kinds.asking import each
+from polhode.kinds.values import agreement
+from polhode.outcome import Diagnosis
+
+KINDS: Mapping[str, ModuleType] = {
+    "animation": animation,
+    "expression": expression,
+    "fit": fit,
+    "ode": ode,
+    "random": random,
+    "stepper": stepper,
+    "values": values,
+    "variables": variables,
+}
+NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
+
+
+def kind_module(question: Mapping[str, Any]) -> ModuleType:
+    """Return the module of a question's kind."""
+    return KINDS[question["kind"]]
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Ask the question for every row and return the arrays by name, rows along the first index. Raises
+    WrongAnswer.
+    """
+    module, part = kind_module(question), question.get("part")
+    answers: dict[str, Any] = (
+        each(rows, lambda row: module.PARTS[part](question, student, row))
+        if part
+        else module.play(question, student, rows)
+    )
+    return answers
+
+
+def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> list[Check]:
+    """Return the checks of a question for one of its scenes."""
+    asked, module = {**question, "id": f"{question['id']}-new"} if hidden else question, kind_module(question)
+    found: list[Check] = (
+        module.part_checks(asked, scene)
+        if question.get("part")
+        else module.checks(asked, scene, NEW_INPUTS if hidden else "")
+    )
+    return found
+
+
+def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis] | None:
+    """Return the likely cause behind a scene's arrays, or None if the kind finds causes by reproducing
+    them.
+    """
+    return _if_defined("diagnose", question, seen, truth)
+
+
+def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
+    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance,
+    others exactly.
+    """
+    values = {value["name"]: value for value in question["returns"]}
+    return all(
+        (
+            agreement(values[name], seen[name], array).verdict is Verdict.PASS
+            if name in values
+            else np.array_equal(seen[name], array)
+        )
+        for name, array in predicted.items()
+    )
+
+
+def _if_defined(name: str, question: Mapping[str, Any], *arguments: Any) -> Any:
+    """Return what this function of the question's kind returns, None if the kind has no such function."""
+    function = getattr(kind_module(question), name, None)
+    return function(question, *arguments) if function else None
+
+
+def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
+    """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if
+    ``hidden``.
+    """
+    asked = list(questions)
+    scenes = []
+    for q in asked:
+        parts = [({**q, "part": part}, f"{q['id']}-{part}", False) for part in q.get("parts", ())]
+        scenes += [(q, q["scenes"]["public"], False), *parts]
+    scenes += [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
+    checks = [
+        check
+        for question, scene, is_hidden in scenes
+        if scene
+        for check in question_checks(question, scene, is_hidden)
+    ]
+    points = {id: given for q in asked for id, given in q.get("points", {}).items()}
+    checks = [replace(check, points=points.get(check.id, check.points)) for check in checks]
+    figures = [figure for q in asked for figure in _if_defined("figures", q) or ()]
+    sheets = [sheet for q in asked for sheet in _if_defined("animations", q) or ()]
+    names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])
+    variables = tuple(dict.fromkeys(name for q in asked for name in q["variables"]))
+    return Exercise(
+        number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables
+    )

@@ -1,0 +1,80 @@
+"""The kind "animation": an animation of points that follow given trajectories, drawn in any style.
+
+The trajectories are arguments of the student's function: arrays (n, 2) or (n, 3), at times (n,). Each must be
+the path of something drawn, such as a marker, the end of a line or the centre of a circle, in 2-D or 3-D
+axes. All of them share one scale and one origin in their axes; the frames show the whole motion evenly.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from polhode import judge
+from polhode.animation_recording import record
+from polhode.checks import Arrays, Check
+from polhode.exercise import Animation
+from polhode.judge import Judgement, Verdict
+from polhode.kinds.asking import arguments, call, each_row
+from polhode.outcome import Diagnosis, Tolerance
+
+SMALL = 0.0  # share of the pixels that must change: a point may be as small as one of them
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the recording of the animation that the student's function draws from the arguments of the first
+    row.
+    """
+    given = arguments(question, next(each_row(rows), {}))
+    return record(lambda: call(question, student, given), question["seconds"])
+
+
+def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
+    """Return the check that the picture moves, and one for each trajectory."""
+    from polhode.kinds.animation.shown import moves
+
+    id, function = question["id"], question["function"]
+    found = [moves(f"{id}-moves", f"{function} draws a moving picture{suffix}", scene, SMALL)]
+    return found + [_follows(question, name, scene, f"{id}-{name}", suffix) for name in question["follow"]]
+
+
+def animations(question: Mapping[str, Any]) -> list[Animation]:
+    """Return the contact sheet of the student's animation."""
+    alt = "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames."
+    scene = question["scenes"]["public"]
+    return [Animation(scene, f"Your animation by {question['function']}", alt, scene)]
+
+
+def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
+    """Return why the picture does not move, or what the first trajectory that nothing follows is drawn as
+    instead.
+    """
+    from polhode.kinds.animation.shown import standstill
+
+    if sentence := standstill(seen, SMALL):
+        return [Diagnosis("static", sentence, 1.0)]
+    wrong = [shown for shown in _followed(question, seen, truth).values() if not shown.found and shown.code]
+    return [Diagnosis(wrong[0].code, wrong[0].sentence, 1.0)] if wrong and wrong[0].code else []
+
+
+def _followed(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> dict[str, Any]:
+    from polhode.kinds.animation.trajectories import followed
+
+    curves = {name: np.asarray(truth[name]) for name in question["follow"]}
+    return followed(seen, np.asarray(truth[question["time"]]), curves, question["agree"]["limit"])
+
+
+def _follows(question: Mapping[str, Any], name: str, scene: str, id: str, suffix: str) -> Check:
+    tolerance = Tolerance(**question["agree"])
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        shown = _followed(question, seen[0], truth[0])[name]
+        if shown.misfit is not None:
+            judged = judge.below(shown.misfit, question["agree"]["limit"])
+            return replace(judged, detail=f"{shown.sentence}, misfit: {judged.detail}")
+        return Judgement(Verdict.UNMEASURED if shown.found is None else Verdict.FAIL, shown.sentence)
+
+    return Check(
+        id, f"{question['function']} draws a point that follows {name}{suffix}", (scene,), word, tolerance
+    )

@@ -1,0 +1,110 @@
+"""The kind "values": the values of a function at points, to a tolerance, and the number of calls of its
+function arguments.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from polhode import judge
+from polhode.checks import Arrays, Check, Locate, below
+from polhode.judge import Judgement, RowsRight, Verdict
+from polhode.kinds.alignment import aligned
+from polhode.kinds.asking import Counted, arguments, call, describe, each, returned
+from polhode.outcome import Tolerance
+from polhode.return_value import Kept
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of each row by name, and ``calls``,
+    the most calls of one of its function arguments.
+    """
+
+    kept = Kept(question["function"])
+
+    def answer(row: Mapping[str, Any]) -> dict[str, Any]:
+        given = arguments(question, row)
+        kept.replace(whole := call(question, student, given))
+        found = returned(question, whole, alone=True)
+        calls = [value.calls for value in given.values() if isinstance(value, Counted)]
+        return found | ({"calls": float(max(calls))} if calls else {})
+
+    return each(rows, answer)
+
+
+def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
+    """Return one check for each returned value, and one for the calls if they are limited."""
+    made = [value_check(question, value, scene, suffix) for value in question["returns"]]
+    if limit := question.get("calls"):
+        name = next(iter(question["families"]))
+        label = f"{question['function']} calls {name} at most {limit['limit']} times{suffix}"
+        calls = below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit)
+        made.append(replace(calls, arrays=("calls",)))
+    return made
+
+
+def value_check(
+    question: Mapping[str, Any],
+    value: Mapping[str, Any],
+    scene: str,
+    suffix: str,
+    *,
+    scale: Callable[[Arrays], Any] | None = None,
+    locate: Locate | None = None,
+) -> Check:
+    """Return the check that one returned ``value`` equals the exact one, up to what the value leaves open.
+
+    A ``limit`` is relative to ``scale(truth)``, or see ``agreement``.
+    """
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        got, want, unit = seen[0][name], truth[0][name], scale(truth[0]) if scale else None
+        return credited(value, lambda given: agreement(value, given, want, unit), got, want)
+
+    def describe_row(index: tuple[int, ...], seen: Arrays) -> str:
+        return describe(question, seen, index[0])
+
+    name = value["name"]
+    return Check(
+        f"{question['id']}-{name}",
+        value["label"] + suffix,
+        (scene,),
+        word,
+        Tolerance(**value["tolerance"]),
+        locate or describe_row,
+        points=value.get("points", 1),
+        arrays=(name,),
+    )
+
+
+def credited(
+    value: Mapping[str, Any], compared: Callable[[Any], Judgement], got: Any, want: Any
+) -> Judgement:
+    """Return ``compared(got)``; for a ✗ of a value with partial credit, each row is also judged with the
+    others exact.
+    """
+    whole = compared(got)
+    if not value.get("partial") or whole.verdict is not Verdict.FAIL or whole.misshapen:
+        return whole
+    right = 0
+    for k in range(len(want)):
+        alone = want.copy()
+        alone[k] = got[k]
+        right += compared(alone).verdict is Verdict.PASS
+    return replace(whole, partial=RowsRight(right, len(want)))
+
+
+def agreement(value: Mapping[str, Any], got: Any, want: Any, scale: Any = None) -> Judgement:
+    """Judge a returned ``value`` against the exact one, rows along the first index, up to what it leaves
+    open.
+
+    ``limit`` is relative to ``scale``, or to the largest exact number of all rows, or 1 if all are zero:
+    where terms cancel in one row, rounding errors are those of the terms. ``rtol`` and ``atol`` hold for each
+    number alone.
+    """
+    tolerance, got = Tolerance(**value["tolerance"]), aligned(got, want, value.get("up_to"))
+    if tolerance.limit is None:
+        return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
+    return judge.within(got, want, np.abs(want).max() or 1.0 if scale is None else scale, tolerance.limit)

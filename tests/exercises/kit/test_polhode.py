@@ -1,0 +1,250 @@
+"""The kit as a notebook uses it."""
+
+import itertools
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import sympy
+from matplotlib.animation import ArtistAnimation, FuncAnimation
+from matplotlib.figure import Figure
+
+from polhode import animate, animation_recording, draw, validate
+from polhode.return_value import WrongAnswer, real_array
+
+mpl.use("Agg")
+
+
+def test_validate_prints_one_line_and_returns_a_bool(capsys):
+    assert validate.close(1.0, 1.0, "a") is True
+    assert validate.conserved([1.0, 2.0], "b") is False
+    assert validate.conserved([1.0, 1.1], "b", rel_drift=0.2) is True
+    assert validate.below(3.0, 4.0, "c") is True
+    assert validate.positive(-1.0, "d") is False
+    assert validate.check(1 < 2, "e") is True
+    assert validate.check(np.array([1.0]) > 2, "e", f"growth: {1 / 3:.3f}") is False
+    assert validate.close([1.0, 2.0], 1.0, "f", rtol=0, atol=0.5) is False
+    assert capsys.readouterr().out.split("\n") == [
+        "✓  a   [got 1 vs expected 1 (rtol=1e-06, atol=1e-09)]",
+        "✗  b   [max relative drift = 1 (limit 1e-06)]",
+        "✓  b   [max relative drift = 0.1 (limit 0.2)]",
+        "✓  c   [got 3 (limit 4)]",
+        "✗  d   [got -1 (must be > 0)]",
+        "✓  e   [True]",
+        "✗  e   [growth: 0.333]",
+        "✗  f   [max|Δ| = 1 (rtol=0, atol=0.5)]",
+        "",
+    ]
+
+
+def test_check_takes_sympys_true_and_false(capsys):
+    half = sympy.Rational(1, 2)
+    assert validate.check(half < 1, "half") and not validate.check(half > 1, "half")
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: validate.close(None, 1.0, "a"), "got is None: nothing was computed or returned"),
+        (lambda: validate.close("a", 1.0, 1.0), "got is a string: pass the arrays first and the label last"),
+        (lambda: validate.close([1.0, 2.0], [1.0, 2.0, 3.0], "a"), "shape (2,) vs expected shape (3,)"),
+        (lambda: validate.close([], 1.0, "a"), "shape (0,) vs expected shape ()"),
+        (
+            lambda: validate.close([1.0, np.nan], [1.0, 2.0], "a"),
+            "got holds values that are not finite numbers",
+        ),
+        (
+            lambda: validate.close([1.0, None], [1.0, 2.0], "a"),
+            "got holds values that are not finite numbers",
+        ),
+        (lambda: validate.close([1.0, [2.0, 3.0]], 1.0, "a"), "got is list, not an array of numbers"),
+        (lambda: validate.close(1j, 1.0, "a"), "max|Δ| = 1.41421 (rtol=1e-06, atol=1e-09)"),
+        (lambda: validate.positive(1 + 1j, "a"), "value is complex128, not real numbers"),
+        (lambda: validate.close(object(), 1.0, "a"), "got is object, not an array of numbers"),
+        (lambda: validate.conserved(None, "a"), "series is None"),
+        (
+            lambda: validate.conserved([], "a"),
+            "got shape (0,), expected a one-dimensional array of at least 2 values",
+        ),
+        (lambda: validate.positive([], "a"), "the array is empty: expected at least one number ("),
+        (lambda: validate.below([], 1.0, "a"), "the array is empty: expected at least one number ("),
+        (lambda: validate.check(None, "a", "1 < 2"), "condition is NoneType: pass a single True or False"),
+        (
+            lambda: validate.check(np.array([True, True]), "a"),
+            "condition is an array of shape (2,): pass a single True or False (use np.all)",
+        ),
+        (lambda: validate.check(1.0, "a"), "condition is float: pass a single True or False"),
+    ],
+)
+def test_validate_makes_a_line_of_any_answer(call, said, capsys):
+    assert call() is False
+    line = capsys.readouterr().out
+    assert line.startswith("✗  ") and f"[{said}" in line and line.count("\n") == 1
+
+
+def test_validate_takes_numbers_of_any_kind():
+    from fractions import Fraction
+
+    assert (
+        validate.close(Fraction(1, 3), 1 / 3, "a")
+        and validate.close(np.float32(0.5), 0.5, "b")
+        and validate.close(2, 2, "c")
+    )
+    assert validate.close(np.full((2, 3), 4.0), 4, "d") and validate.close(
+        [Fraction(1, 2), 1], [0.5, 1.0], "e"
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "code"),
+    [
+        (None, "returns-nothing"),
+        ([1.0, 2.0], "wrong-shape"),
+        (1.0, "wrong-shape"),
+        ([[1.0, 2.0, 3.0]], "wrong-shape"),
+        ([1.0, [2.0, 3.0]], "wrong-shape"),
+        ("abc", "wrong-shape"),
+        ([1j, 0, 0], "wrong-shape"),
+        ([1, 2, complex(3, float("nan"))], "wrong-shape"),
+        ([True, False, True], "wrong-shape"),
+        (np.array([1, 2, None]), "wrong-shape"),
+    ],
+)
+def test_strict_refuses(value, code):
+    with pytest.raises(WrongAnswer) as caught:
+        real_array(value, (3,), "f")
+    assert caught.value.code == code
+
+
+@pytest.mark.parametrize(
+    "value", [[1, 2, 3], (1.0, 2.0, 3.0), np.array([1, 2, 3], dtype=np.float32), np.array([1, 2 - 0j, 3])]
+)
+def test_strict_takes_any_three_real_numbers(value):
+    assert real_array(value, (3,), "f").tolist() == [1.0, 2.0, 3.0]
+
+
+def test_box_polys_are_the_faces_of_the_turned_box_in_the_course_order():
+    half = np.array([1.0, 0.7, 0.2])
+    faces = draw.box_polys(np.eye(3), tuple(half))
+    assert isinstance(faces, list) and [face.shape for face in faces] == [(4, 3)] * 6
+    for face, (axis, side) in zip(faces, [(2, -1), (2, 1), (1, -1), (1, 1), (0, 1), (0, -1)], strict=True):
+        assert set(face[:, axis]) == {side * half[axis]}
+        edges = np.abs(np.diff(face, axis=0, append=face[:1]))
+        assert np.count_nonzero(edges) == 4, "neighbouring corners share an edge"
+    assert faces[0].tolist() == (half * [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)]).tolist()
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    np.testing.assert_allclose(draw.box_polys(turn, half), np.array(faces) @ turn.T)
+
+
+def test_header_style_and_footer_print_nothing_outside_a_notebook(capsys):
+    from polhode import footer, header, use_style
+
+    with mpl.rc_context():
+        assert use_style() is None
+        assert mpl.rcParams["axes.spines.top"] is False
+    given = {
+        "volume": "II",
+        "number": 2.6,
+        "title": "A <b>",
+        "blurb": "…",
+        "difficulty": "advanced",
+        "estimate": "90 min",
+    }
+    assert header(**given) is None and footer() is None
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_header_displays_its_texts_escaped(monkeypatch):
+    from polhode import style
+
+    shown = []
+    monkeypatch.setattr(style, "_display", shown.append)
+    style.header(volume="II", number="2.6", title="Tops & <script>", difficulty="advanced")
+    assert (
+        "II · Notebook 2.6" in shown[0]
+        and "Tops &amp; &lt;script&gt;" in shown[0]
+        and "Level: advanced" in shown[0]
+    )
+
+
+def _moving(frames, **options):
+    figure = Figure(figsize=(4, 3))
+    (line,) = figure.subplots().plot([0, 1], [0, 1])
+    figure.axes[0].set_ylim(-1, 1)
+    calls = []
+
+    def update(k):
+        calls.append(k)
+        line.set_ydata([0, np.sin(k)])
+        return (line,)
+
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)
+    return FuncAnimation(figure, update, frames=frames, cache_frame_data=False, **options), calls
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("blit", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_six_stills_are_spread_over_all_frames_and_each_frame_is_computed_once(blit):
+    anim, calls = _moving(100, blit=blit)
+    calls.clear()
+    stills = animation_recording.watch(anim, seconds=30.0)["frames"]
+    assert stills.shape == (6, 360, 480, 3) and stills.dtype == np.uint8
+    assert calls == [0, *range(100)]  # the first one is the initial draw
+    assert animation_recording.moving_share(stills) > 1e-4
+
+
+def test_stills_draw_each_still_once(monkeypatch):
+    anim, _ = _moving(10)
+    drawn, real = [], Figure.draw
+    monkeypatch.setattr(Figure, "draw", lambda self, renderer: (drawn.append(1), real(self, renderer))[1])
+    assert len(animation_recording.watch(anim, seconds=30.0)["frames"]) == 6
+    assert len(drawn) == 6 + 1 + 3, (
+        "besides, a second frame to see that it moves, one without artists and two without text"
+    )
+
+
+@pytest.mark.slow
+def test_endless_animations_are_stopped():
+    anim, _ = _moving(itertools.count())
+    with pytest.raises(WrongAnswer, match="more than 600 frames") as caught:
+        animation_recording.watch(anim, seconds=30.0)
+    assert caught.value.code == "too-many-frames"
+    for many in (601, range(601), [*range(601)]):
+        anim, calls = _moving(many)
+        calls.clear()
+        with pytest.raises(WrongAnswer, match="more than 600 frames"):
+            animation_recording.watch(anim, seconds=30.0)
+        assert calls == [0], "a number of frames that is known beforehand costs no drawing"
+    anim, _ = _moving(50)
+    with pytest.raises(WrongAnswer, match="after 0 frames"):
+        animation_recording.watch(anim, seconds=0.0)
+    with pytest.raises(WrongAnswer, match="got NoneType"):
+        animation_recording.watch(None, seconds=1.0)
+
+
+def test_artist_animations_work_too():
+    figure = Figure(figsize=(4, 3))
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    anim = ArtistAnimation(figure, [axes.plot([0, 1], [0, k]) for k in range(5)])
+    stills = animation_recording.watch(anim, seconds=30.0)["frames"]
+    assert len(stills) == 5 and animation_recording.moving_share(stills) > 1e-4
+
+
+@pytest.mark.parametrize("period", [5, 19, 24, 32, 48, 95])
+@pytest.mark.parametrize("frames", [96, pytest.param(97, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("known", [True, False])
+def test_a_periodic_motion_differs_in_the_stills(period, frames, known):
+    anim, _ = _moving(frames if known else lambda: (k for k in range(frames)))
+    (line,) = anim._fig.axes[0].lines
+    anim._func = lambda k: line.set_ydata([0, np.sin(2 * np.pi * k / period)])
+    assert animation_recording.moving_share(animation_recording.watch(anim, seconds=30.0)["frames"]) > 1e-4
+
+
+def test_show_outside_a_notebook_keeps_the_animation():
+    marker = object()
+    assert animate.show(marker) is marker and animate.shown[-1] is marker

@@ -19,7 +19,7 @@ from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public.common_checks import filmed
-from polhode import animate, animation_recording
+from polhode.animation import animate, animation_recording
 from polhode.kinds.animation.body import body_shown, momentum_shown
 from service.grading.jobs import draw_inputs, truth
 

@@ -70,7 +70,7 @@ def executed() -> tuple[float, float]:
     import scipy.integrate  # noqa: F401
 
     import polhode
-    from polhode import animate
+    from polhode.animation import animate
 
     polhode.check = polhode.submit = lambda *args, **kwargs: None
     cells = [

@@ -178,7 +178,7 @@ def _cold(isolation) -> None:
 
 _IMPORTS = (
     "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot,"
-    " matplotlib.animation, polhode.animation_recording"
+    " matplotlib.animation, polhode.animation.animation_recording"
 )
 
 

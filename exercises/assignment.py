@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.checks import Arrays, Check
-from polhode.exercise import Exercise, points
-from polhode.outcome import Diagnosis, SweepResult
-from polhode.report import out_of
+from polhode.judging.checks import Arrays, Check
+from polhode.judging.exercise import Exercise, points
+from polhode.judging.outcome import Diagnosis, SweepResult
+from polhode.report.report import out_of
 
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]

@@ -22,10 +22,10 @@ from exercises.publish import Section
 from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
 from exercises.validation_cells import Line, line_errors, published_cells, reported_exercises
-from polhode.checks import Check
-from polhode.exercise import Exercise
+from polhode.judging.checks import Check
+from polhode.judging.exercise import Exercise
+from polhode.judging.outcome import Tolerance
 from polhode.kinds import exercise as expand_exercise
-from polhode.outcome import Tolerance
 
 if TYPE_CHECKING:
     from exercises.mistakes import MadeSample

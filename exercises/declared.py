@@ -12,9 +12,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from polhode.checks import MOST_POINTS
+from polhode.judging.checks import MOST_POINTS
+from polhode.judging.outcome import Tolerance
 from polhode.kinds.alignment import UP_TO
-from polhode.outcome import Tolerance
 
 ARGUMENTS = "fiubU"  # kinds of dtype
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import polhode
 from exercises.author_notebook import Cell
 from exercises.validation import REPLACEABLE
-from polhode.data_files import MODULES
+from polhode.client.data_files import MODULES
 
 DATA_FILE = re.compile(r"(?!\.)[\w\-. ]+\.(csv|txt|dat|tsv|npy|npz|json|h5|fits)")
 AVAILABLE = {"polhode", "numpy", "scipy", "matplotlib", "mpl_toolkits"}
@@ -99,7 +99,7 @@ def _aliases(nodes: Sequence[ast.AST]) -> Iterator[str]:
         for name in node.names:
             if (node.module, name.name) == ("polhode", "validate") and name.asname not in (None, "validate"):
                 yield f"the notebook calls validate {name.asname}: calls under that name are not taken over"
-            elif node.module == "polhode.validate":
+            elif node.module == "polhode.judging.validate":
                 yield (
                     f"the notebook imports validate.{name.name} by its own name: calls under it are not taken"
                     " over"

@@ -14,7 +14,7 @@ from exercises.question import Question
 from exercises.samples import codes
 from exercises.solution import Variant
 from exercises.validation_cells import LINE
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 
 
 def variants_of(question: Question, before: str) -> list[Variant]:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from exercises.author_notebook import SOLUTION, Cell, with_ids
 from exercises.question import Question
 from exercises.validation_cells import Line
-from polhode.exercise import Exercise
+from polhode.judging.exercise import Exercise
 from polhode.notebook.cells import DEFINITION, python_of, statements_of
 from polhode.notebook.names import names_in
 

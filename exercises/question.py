@@ -21,11 +21,11 @@ from exercises.authoring.solutions import NotebookSolution
 from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import ARGUMENTS, SHORT, Draw, Family, Itself, Mistake, Value, tolerance_data
 from polhode import kinds
-from polhode.author_errors import AuthorError
-from polhode.checks import Arrays
+from polhode.judging.author_errors import AuthorError
+from polhode.judging.checks import Arrays
+from polhode.judging.return_value import WrongAnswer
 from polhode.kinds import asking
 from polhode.kinds.alignment import alignment_error
-from polhode.return_value import WrongAnswer
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 ARGUMENT = (

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.assignment import Assignment, InvalidAssignment
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import Sweep
-from polhode.checks import Arrays
-from polhode.outcome import SweepResult, SweptPoint
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import SweepResult, SweptPoint
 
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 # RK45 would take tens of thousands of calls for the finest two.

@@ -12,9 +12,9 @@ from pathlib import Path, PurePosixPath
 
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
-from polhode.author_errors import AuthorError
-from polhode.data_files import MODULES
-from polhode.exercise import Exercise
+from polhode.client.data_files import MODULES
+from polhode.judging.author_errors import AuthorError
+from polhode.judging.exercise import Exercise
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 # where an import of one of them, or of a neighbour, may be

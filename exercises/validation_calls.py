@@ -1,4 +1,4 @@
-"""Calls of ``polhode.validate`` in a code cell: their places, labels and tolerances,
+"""Calls of ``polhode.judging.validate`` in a code cell: their places, labels and tolerances,
 read from the source alone.
 """
 
@@ -8,16 +8,16 @@ import inspect
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from polhode import validate
-from polhode.claims import KINDS
+from polhode.judging import validate
+from polhode.judging.claims import KINDS
 from polhode.notebook.cells import python_of
 
 LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
 class Call(NamedTuple):
-    """A call of ``polhode.validate`` in a cell: its line and column, its kind, its label, its first two
-    arguments, and whether it is inside a function, or repeated: inside a loop.
+    """A call of ``polhode.judging.validate`` in a cell: its line and column, its kind, its label, its first
+    two arguments, and whether it is inside a function, or repeated: inside a loop.
 
     The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false.
     ``numbers`` are the tolerances and limits that its text gives as numbers, and ``computed`` the names of

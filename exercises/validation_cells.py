@@ -17,12 +17,12 @@ from exercises.assignment import PublishedCell
 from exercises.author_notebook import INSTALL, Cell
 from exercises.declared import Rule, is_numeric
 from exercises.validation_calls import Call, calls
-from polhode.checks import Check
-from polhode.claims import Claim
-from polhode.exercise import Exercise
-from polhode.judge import Judgement, Verdict
+from polhode.judging.checks import Check
+from polhode.judging.claims import Claim
+from polhode.judging.exercise import Exercise
+from polhode.judging.judge import Judgement, Verdict
+from polhode.judging.outcome import Outcome, Tolerance
 from polhode.notebook.cells import python_of, statements_of
-from polhode.outcome import Outcome, Tolerance
 
 VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check

@@ -17,7 +17,7 @@ from exercises.kinds.random import estimate, samples
 from exercises.kinds.stepper import stepper
 from exercises.kinds.values import values
 from exercises.question import Question
-from polhode.outcome import Tolerance
+from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
 

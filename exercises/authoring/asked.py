@@ -19,7 +19,7 @@ from exercises.authoring.written_mistakes import WrittenMistake
 from exercises.declared import Itself, Mistake, Value
 from exercises.kinds.values import of_expression
 from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
-from polhode.outcome import Tolerance
+from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
 

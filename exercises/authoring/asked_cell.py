@@ -12,7 +12,7 @@ from exercises.authoring.solutions import NotebookSolution
 from exercises.declared import Value
 from exercises.kinds.variables import Claim, variables
 from exercises.question import Question
-from polhode.outcome import Tolerance
+from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from exercises.declared import Draw, Family, Value
-from polhode.outcome import Tolerance
+from polhode.judging.outcome import Tolerance
 
 
 def between(low: float, high: float) -> Draw:

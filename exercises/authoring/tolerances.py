@@ -1,6 +1,6 @@
 """Tolerances: how close an answer must be, and why. None has a default."""
 
-from polhode.outcome import Tolerance
+from polhode.judging.outcome import Tolerance
 
 
 def relative(limit: float, *, because: str) -> Tolerance:

@@ -10,8 +10,8 @@ from exercises.assignment import ArraySpec
 from exercises.declared import Ask, Itself, Limit, Positive, tolerance_data
 from exercises.kinds import kind
 from exercises.question import Question
-from polhode.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
-from polhode.artists import MOST_AXES
+from polhode.animation.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
+from polhode.animation.artists import MOST_AXES
 from polhode.kinds import asking
 
 RECORDING = {
@@ -23,7 +23,7 @@ RECORDING = {
     "visible": ArraySpec((2,)),
     "cost": ArraySpec((6,)),
 }
-"""What a scene with an animation returns (polhode.animation_recording)."""
+"""What a scene with an animation returns (polhode.animation.animation_recording)."""
 RECORDING_S, BUDGET_S = 12.0, 15.0
 
 

@@ -28,11 +28,11 @@ from exercises.kinds import kind
 from exercises.question import Part, Question, call_with
 from exercises.question_errors import family_errors
 from exercises.sweep import BUDGET_S, SETTINGS, result
-from polhode.checks import Arrays
-from polhode.integration import solve_ivp
+from polhode.judging.checks import Arrays
+from polhode.judging.integration import solve_ivp
+from polhode.judging.outcome import SweepResult, Tolerance
 from polhode.kinds import ode as kit
 from polhode.kinds.asking import flat, split
-from polhode.outcome import SweepResult, Tolerance
 
 
 @kind()

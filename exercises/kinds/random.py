@@ -21,7 +21,7 @@ from exercises.declared import (
 )
 from exercises.kinds import kind
 from exercises.question import Question
-from polhode.outcome import Tolerance
+from polhode.judging.outcome import Tolerance
 
 RATE = 1e-6
 """The rate at which all tests of a question together reject a right solution, at most."""

@@ -30,10 +30,10 @@ from exercises.kinds.ode import converged
 from exercises.question import Later, Part, Question, call_with
 from exercises.question_errors import family_errors
 from exercises.sweep import BUDGET_S, result_of_steppers
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import SweepResult
 from polhode.kinds import stepper as kit
 from polhode.kinds.asking import arguments, flat
-from polhode.outcome import SweepResult
 
 
 def tableau(A: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float]) -> Callable[..., Any]:

@@ -8,8 +8,8 @@ from typing import Any
 from exercises.declared import Expression, Named, Numbers, Text, Value
 from exercises.kinds import kind
 from exercises.question import Question
+from polhode.judging.outcome import Tolerance
 from polhode.kinds.asking import KNOWN
-from polhode.outcome import Tolerance
 
 CLAIMED = Tolerance(rtol=1e-9, reason="compared by claims only")
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from exercises.rigid_body.public.common_checks import PRODUCT
 from exercises.rigid_body.public.quantities import as_closely
-from polhode.checks import Arrays, Check
-from polhode.judge import Judgement, Verdict, within
-from polhode.outcome import Tolerance
+from polhode.judging.checks import Arrays, Check
+from polhode.judging.judge import Judgement, Verdict, within
+from polhode.judging.outcome import Tolerance
 
 
 def bounded(id: str, label: str, motion: str) -> Check:

@@ -7,7 +7,7 @@ conserve everything too.
 import numpy as np
 
 from exercises.rigid_body.bounds import bounded
-from polhode.checks import Arrays, Check, close, within
+from polhode.judging.checks import Arrays, Check, close, within
 
 ROUNDING = "correct formulas differ only by rounding at these magnitudes"
 EVEN = (

@@ -7,7 +7,7 @@ import numpy as np
 import reference
 from exercises.assignment import Inputs
 from exercises.rigid_body.public.quantities import SYMMETRIC, Array
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
 
 # largest difference of an element of R: below a drawing's tolerance, above any integrator's default tolerance
 CLOSE = 0.02

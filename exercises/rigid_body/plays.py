@@ -12,12 +12,12 @@ from math import isfinite
 
 import numpy as np
 
-import polhode.animate
-from polhode.animation_recording import record
-from polhode.integration import IntegrationStopped, integrate
-from polhode.notes import remark
-from polhode.return_value import WrongAnswer, check_signature, exchanged, real_array
-from polhode.timing import seconds_of_a_call, timed_runs
+import polhode.animation.animate
+from polhode.animation.animation_recording import record
+from polhode.judging.integration import IntegrationStopped, integrate
+from polhode.judging.notes import remark
+from polhode.judging.return_value import WrongAnswer, check_signature, exchanged, real_array
+from polhode.judging.timing import seconds_of_a_call, timed_runs
 
 # The notebook's settings. A right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
@@ -112,8 +112,8 @@ def _rate(answer):
 
 
 def driven(function, inputs, most=MOST_CALLS):
-    """Return start and right-hand side (``polhode.integration.Rates``) of the motion that ``function``
-    drives, and a list of the number of its calls, ``most`` at most, and the last ω.
+    """Return start and right-hand side (``polhode.judging.integration.Rates``) of the motion that
+    ``function`` drives, and a list of the number of its calls, ``most`` at most, and the last ω.
     """
     moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
@@ -206,7 +206,7 @@ def adopt(student, source):
     Their times and the moments may be anywhere in the notebook; names of the cell come first. If only other
     cells name such attitudes, the animation has UNKNOWN ones.
     """
-    if not polhode.animate.shown:
+    if not polhode.animation.animate.shown:
         return {}
     mentioned = set(re.findall(r"\w+", source))
     for function in [
@@ -233,7 +233,7 @@ def adopt(student, source):
         "own_t": times[0][:, None] if times else np.zeros((1, 1)),
         "own_I": np.array(moments or np.zeros((1, 3))),
     }
-    return {"animate_precession": FromCell(polhode.animate.shown[-1], own)}
+    return {"animate_precession": FromCell(polhode.animation.animate.shown[-1], own)}
 
 
 def _names(code):

@@ -11,8 +11,8 @@ from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.rigid_body.public.quantities import BODY, TORQUE_FREE, as_closely
 from exercises.rigid_body.scenes import SCENES
 from exercises.sweep import BUDGET_S, SETTINGS, result
-from polhode.checks import Arrays
-from polhode.outcome import SweepResult
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import SweepResult
 
 MOTION = next(scene for scene in SCENES if scene.name == "torque-free")
 assert not callable(MOTION.inputs)

@@ -8,7 +8,7 @@ from uuid import UUID
 
 from pydantic import BaseModel, Field, GetPydanticSchema, PlainSerializer, WithJsonSchema, create_model
 
-from polhode.report import Report
+from polhode.report.report import Report
 from service.store.course import regrade_requests
 
 Moment = Annotated[
@@ -18,8 +18,8 @@ Status = Literal["queued", "running", "graded", "faulted"]
 
 
 def model_of(kind: Any) -> Any:
-    """Return the type of what ``polhode.document`` writes for values of the type ``kind``; of a dataclass, a
-    model.
+    """Return the type of what ``polhode.report.document`` writes for values of the type ``kind``; of a
+    dataclass, a model.
     """
     if is_dataclass(kind):
         assert isinstance(kind, type)
@@ -38,7 +38,7 @@ def model_of(kind: Any) -> Any:
 
 
 _REPORT = model_of(Report).__pydantic_core_schema__
-# ``polhode.document`` has written it, so it is described but not validated again.
+# ``polhode.report.document`` has written it, so it is described but not validated again.
 ReportDocument = Annotated[
     dict[str, Any], GetPydanticSchema(get_pydantic_json_schema=lambda _, handler: handler(_REPORT))
 ]

@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, Field, StringConstraints
 
-from polhode.student_line import BREAK
+from polhode.report.student_line import BREAK
 from service.api import answers
 from service.api.submissions import Assigned, Submission
 from service.auth.identity import STAFF, Person, Reader, Submitter

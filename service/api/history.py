@@ -8,7 +8,7 @@ from itertools import zip_longest
 
 from fastapi import APIRouter
 
-from polhode.judge import MARKS, Verdict
+from polhode.judging.judge import MARKS, Verdict
 from service.api import answers
 from service.api.submissions import Assigned
 from service.auth.identity import STAFF, Person, Reader

@@ -16,8 +16,8 @@ from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from exercises.validation_cells import is_self_reported
-from polhode.document import document
-from polhode.report import Report
+from polhode.report.document import document
+from polhode.report.report import Report
 from service.api import answers, parse_submission
 from service.api.health import WorkerStatus
 from service.api.release import NOT_RELEASED, visible

@@ -16,9 +16,9 @@ from typing import Any
 from exercises.catalogue import assignments
 from exercises.mistakes import MadeSample
 from exercises.samples import Sample, samples
-from polhode.document import read
-from polhode.judge import MARKS, Verdict
-from polhode.report import Report
+from polhode.judging.judge import MARKS, Verdict
+from polhode.report.document import read
+from polhode.report.report import Report
 from service.cli.demo_class import STUDENTS, add_class, logins
 from service.settings import Settings
 

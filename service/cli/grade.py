@@ -186,7 +186,7 @@ def _self_tested(
 
 
 def _entry(file: "GradedFile") -> dict[str, Any]:
-    from polhode.document import document
+    from polhode.report.document import document
 
     entry: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
     error = {"error": file.refused} if file.refused else {}

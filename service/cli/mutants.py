@@ -15,8 +15,8 @@ from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import find
 from exercises.mutation import variants
 from exercises.solution import Variant
-from polhode.judge import Verdict
-from polhode.outcome import Outcome
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Outcome
 from service.cli.arguments import count
 from service.cli.errors import CommandError
 from service.grading.batch import GradeOptions, GradeRequest, grade_files

@@ -10,7 +10,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from exercises.assignment import Assignment
-from polhode.document import document
+from polhode.report.document import document
 from service.formats import html
 from service.formats.filenames import UniqueNames
 from service.grading.result import GradedFile

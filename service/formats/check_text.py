@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable
 
 from exercises.assignment import Assignment
-from polhode.judge import Verdict
-from polhode.outcome import Outcome, SceneEnd
-from polhode.report import Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Outcome, SceneEnd
+from polhode.report.report import Report
 from service.sandbox.untrusted_text import text
 
 NOTHING = "at least one check was scored"

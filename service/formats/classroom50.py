@@ -11,9 +11,9 @@ from datetime import datetime
 from typing import Any
 
 from exercises.assignment import Assignment
-from polhode.judge import Verdict
-from polhode.outcome import ExerciseReport
-from polhode.report import Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import ExerciseReport
+from polhode.report.report import Report
 from service.formats.check_text import (
     NOTHING,
     SUBMITTED,

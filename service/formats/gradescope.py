@@ -11,10 +11,10 @@ from html import escape
 from typing import Any
 
 from exercises.assignment import Assignment
-from polhode import cause, grouped
-from polhode.judge import Verdict
-from polhode.outcome import ExerciseReport, Outcome, Picture
-from polhode.report import Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import ExerciseReport, Outcome, Picture
+from polhode.report import cause, grouped
+from polhode.report.report import Report
 from service.formats import VISIBILITIES, VISIBLE
 from service.formats.check_text import (
     NOTHING,

@@ -7,8 +7,8 @@ from html import escape
 from pathlib import Path
 
 from exercises.assignment import Assignment
-from polhode import report_html
-from polhode.judge import MARKS
+from polhode.judging.judge import MARKS
+from polhode.report import report_html
 from service.grading.result import GradedFile, summary
 
 _STYLE = """

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from exercises.assignment import Assignment
-from polhode.judge import Verdict
-from polhode.outcome import Outcome
-from polhode.report import Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Outcome
+from polhode.report.report import Report
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
 from service.formats.source_lines import SourceLines
 from service.grading.result import GradedFile, state

@@ -13,9 +13,9 @@ from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any, cast
 
 from exercises.assignment import Assignment
+from polhode.judging.outcome import Outcome
 from polhode.notebook.outputs import is_notebook
-from polhode.outcome import Outcome
-from polhode.student_line import BREAK
+from polhode.report.student_line import BREAK
 from service.formats.check_text import stopped_by
 from service.grading.result import GradedFile
 from service.grading.submission import PYTHON_FILE, source_locations

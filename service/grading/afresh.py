@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from polhode.judging.outcome import Ended
 from polhode.kinds.random import AFRESH
-from polhode.outcome import Ended
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult
 from service.sandbox.sandbox import Sandbox

@@ -8,7 +8,7 @@ from pathlib import Path
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import find
 from exercises.validation import format_error
-from polhode.author_errors import AuthorError
+from polhode.judging.author_errors import AuthorError
 from service.sandbox.result import NotPrepared, SystemFault
 
 FAULT = "assignment {slug} has an error: {error}"

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from exercises import validation
 from exercises.assignment import Assignment
+from polhode.judging.outcome import SweepResult
 from polhode.notebook.outputs import is_notebook
-from polhode.outcome import SweepResult
 from service.grading import rendering
 from service.grading.grade import Graded, UnknownExercise, missing_packages, select
 from service.grading.grader import Grader, SweepFailed

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from polhode.outcome import SweepResult, SweptPoint
+from polhode.judging.outcome import SweepResult, SweptPoint
 from service.grading.chart_drawing import COLORS, GHOST, Chart, Curve
 
 DOUBLE, SINGLE = 2.0**-52, 2.0**-23

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.assignment import Assignment, Scene
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.solution import Variant
-from polhode.checks import Arrays
-from polhode.judge import Verdict
+from polhode.judging.checks import Arrays
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
 from polhode.kinds.values import agreement
-from polhode.outcome import Diagnosis
 from service.grading.quoting import StudentCode
 from service.grading.readings import constant_factor, numbers_at, too_few_digits
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from exercises import packages
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
-from polhode.cause import suspect_lines
-from polhode.checks import Arrays
-from polhode.claims import Claim, NotebookCheck
-from polhode.exercise import Exercise, attempted
-from polhode.report import Provenance, Report, pictures
+from polhode.judging.checks import Arrays
+from polhode.judging.claims import Claim, NotebookCheck
+from polhode.judging.exercise import Exercise, attempted
+from polhode.report.cause import suspect_lines
+from polhode.report.report import Provenance, Report, pictures
 from service.grading import reproduction
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used

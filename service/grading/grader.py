@@ -6,9 +6,9 @@ from collections.abc import Collection, Sequence
 
 from exercises.assignment import Assignment, Sweep
 from exercises.sweep import compared
-from polhode.document import document
-from polhode.outcome import SweepResult
-from polhode.report import Report
+from polhode.judging.outcome import SweepResult
+from polhode.report.document import document
+from polhode.report.report import Report
 from service.grading import rendering
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded, grade

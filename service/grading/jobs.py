@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.assignment import Assignment, Inputs, Scene
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
 from service.grading.published import with_published
 from service.grading.submission import Submission
 from service.sandbox.job import FunctionsApart, Job, SceneRequest

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from exercises.assignment import Assignment, Scene
 from exercises.validation_cells import ReportedLine
-from polhode.checks import Check
-from polhode.exercise import Exercise
-from polhode.judge import Verdict
-from polhode.notes import Absent, unsaid
-from polhode.outcome import Diagnosis, Ended, ExerciseReport, Outcome
+from polhode.judging.checks import Check
+from polhode.judging.exercise import Exercise
+from polhode.judging.judge import Verdict
+from polhode.judging.notes import Absent, unsaid
+from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome
 from service.grading.diagnosing import Causes, diagnose_failure
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import Assignment
-from polhode.checks import Arrays
-from polhode.exercise import Motion
+from polhode.judging.checks import Arrays
+from polhode.judging.exercise import Motion
 from service.grading.jobs import draw_inputs, truth
 
 Array = NDArray[np.float64]

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 from exercises import packages
 from exercises.assignment import Assignment, Inputs
-from polhode.author_errors import UNUSABLE, same_error
-from polhode.checks import Arrays
-from polhode.outcome import Ended, SceneEnd
+from polhode.judging.author_errors import UNUSABLE, same_error
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import Ended, SceneEnd
 from service.grading.afresh import compare_afresh
 from service.grading.author_errors import fault
 from service.grading.jobs import truth

@@ -9,7 +9,7 @@ import re
 import tokenize
 from collections.abc import Collection, Iterable
 
-from polhode.student_line import tokens_of
+from polhode.report.student_line import tokens_of
 
 QUOTED = re.compile(r"`([^`]*)`")
 IN_GENERAL = {

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import Assignment
-from polhode import drawing
-from polhode.checks import Arrays
-from polhode.document import read
-from polhode.exercise import Figure
-from polhode.outcome import SweepResult
+from polhode.judging.checks import Arrays
+from polhode.judging.exercise import Figure
+from polhode.judging.outcome import SweepResult
+from polhode.report import drawing
+from polhode.report.document import read
 from service.grading import chart_card
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.chart_drawing import draw as draw_chart

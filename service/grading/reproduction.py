@@ -10,9 +10,9 @@ from weakref import WeakKeyDictionary
 
 from exercises.assignment import Assignment, Scene
 from exercises.solution import Variant
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, reproduces
-from polhode.outcome import Diagnosis
 from service.grading.diagnosing import with_scenes
 from service.grading.explanations import Cause, Component, causes, diagnoses, wrong_components
 from service.grading.playing import PlayedJob

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from polhode.judge import Verdict
-from polhode.outcome import Ended, Outcome, SceneEnd
-from polhode.report import Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Ended, Outcome, SceneEnd
+from polhode.report.report import Report
 
 MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
 """The states of a check and their marks."""

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
+from polhode.judging.outcome import SceneEnd
 from polhode.notebook.outputs import is_notebook, strip_outputs
-from polhode.outcome import SceneEnd
-from polhode.student_line import FRAME
+from polhode.report.student_line import FRAME
 from service.sandbox.job import Cell
 
 KIB, MIB = 2**10, 2**20

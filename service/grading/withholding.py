@@ -5,9 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 from exercises.assignment import Assignment
-from polhode.judge import Verdict
-from polhode.outcome import Outcome
-from polhode.report import Report, pictures
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Outcome
+from polhode.report.report import Report, pictures
 
 LATER = "the details of this check have not been released yet"
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 from statistics import median
 
 from exercises.assignment import Assignment
-from polhode.checks import Check
+from polhode.judging.checks import Check
 from service.grading import result
 from service.store.course.gradebook import StudentRow
 from service.store.database import Row

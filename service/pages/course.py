@@ -10,7 +10,7 @@ from starlette.routing import Match
 
 from exercises.catalogue import assignments
 from exercises.validation_cells import is_self_reported
-from polhode.checks import Check
+from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
 from service.api.history import list_own
 from service.api.release import visible_row

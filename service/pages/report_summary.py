@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from uuid import UUID
 
 from exercises.assignment import Assignment
-from polhode.exercise import Motion
-from polhode.outcome import Picture
-from polhode.report import Report
+from polhode.judging.exercise import Motion
+from polhode.judging.outcome import Picture
+from polhode.report.report import Report
 from service.store.database import Row
 from service.store.records import SubmissionRecord
 

@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from polhode.report import Report
-from polhode.student_line import BREAK
+from polhode.report.report import Report
+from polhode.report.student_line import BREAK
 from service.grading.submission import SourceLocation, Submission, source_locations
 from service.sandbox.untrusted_text import text
 from service.store.course.comments import Comment

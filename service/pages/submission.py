@@ -12,12 +12,12 @@ from markupsafe import Markup
 
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
-from polhode import report_html
-from polhode.exercise import Motion
-from polhode.judge import Verdict
-from polhode.outcome import Ended, Outcome, SceneEnd
-from polhode.report import Report
-from polhode.student_line import StudentLine
+from polhode.judging.exercise import Motion
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Ended, Outcome, SceneEnd
+from polhode.report import report_html
+from polhode.report.report import Report
+from polhode.report.student_line import StudentLine
 from service.api.figures import cached_artefact
 from service.api.release import visible_row
 from service.api.submissions import Submission

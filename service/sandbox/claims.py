@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.claims import KINDS, MOST_DETAIL, MOST_LABEL, Claim, one_line
+from polhode.judging.claims import KINDS, MOST_DETAIL, MOST_LABEL, Claim, one_line
 from service.sandbox.guest.claims import MOST_AXES, MOST_NUMBERS
 
 MOST_BYTES = 8 * MOST_NUMBERS + (1 << 16)

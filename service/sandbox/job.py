@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import ArraySpec
-from polhode.outcome import SceneEnd
+from polhode.judging.outcome import SceneEnd
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import APART, BYTES, FILES, LENGTH, NUMBERS
 

@@ -5,7 +5,7 @@ lost.
 import logging
 import threading
 
-from polhode.outcome import Ended, SceneEnd
+from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import ROOT_ALLOWED, Identity
 from service.sandbox.isolation import Isolation

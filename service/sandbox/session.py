@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from io import FileIO
 from typing import Any, NamedTuple
 
-from polhode.outcome import Ended, SceneEnd
+from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.scratch import NO_ROOM
 from service.sandbox.guest.wire import CLOCK_FACTOR, COUNT, MALFORMED

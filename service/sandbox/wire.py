@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from exercises.assignment import ArraySpec
-from polhode.notes import MOST_REMARKS, Absent, Notes
-from polhode.outcome import Ended, SceneEnd
+from polhode.judging.notes import MOST_REMARKS, Absent, Notes
+from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox import claims
 from service.sandbox.guest.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
 from service.sandbox.guest.place import Place

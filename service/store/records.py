@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
-from polhode.document import read as read_document
-from polhode.report import Report
+from polhode.report.document import read as read_document
+from polhode.report.report import Report
 from service.grading.submission import Submission
 from service.store.database import Database, Row
 

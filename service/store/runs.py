@@ -10,8 +10,8 @@ from uuid import UUID
 
 from psycopg.types.json import Jsonb
 
-from polhode.document import document
-from polhode.report import Report
+from polhode.report.document import document
+from polhode.report.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.artefacts import insert_artefacts

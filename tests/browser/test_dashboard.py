@@ -11,7 +11,7 @@ import zipfile
 
 import pytest
 
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 from tests.support.database import entered, run, sql
 from tests.support.reports import SLIP
 from tests.support.submissions import hand_in

@@ -4,7 +4,7 @@ names none.
 
 import pytest
 
-from polhode.report_style import fragment
+from polhode.report.report_style import fragment
 
 pytestmark = pytest.mark.slow
 LIGHT, DARK = "rgb(0, 103, 76)", "rgb(79, 209, 165)"

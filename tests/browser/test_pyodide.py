@@ -154,7 +154,7 @@ def test_a_submission_is_graded_and_its_report_is_read(python, how):
 
 
 LIMITED = """
-from polhode.time_limit import OutOfTime, limited
+from polhode.judging.time_limit import OutOfTime, limited
 ended = ""
 try:
     with limited(0.5):

@@ -4,7 +4,7 @@ import sys
 from exercises import validation
 from exercises.assignment import Exercise
 from exercises.catalogue import assignments, load_catalogue
-from polhode.checks import close
+from polhode.judging.checks import close
 from tests.support.assignments import copied
 
 

@@ -22,7 +22,7 @@ from exercises.kinds.stepper import euler, stepper
 from exercises.kinds.values import values
 from exercises.kinds.variables import claim, variables
 from exercises.question_errors import question_errors, uses_errors
-from polhode.author_errors import AuthorError
+from polhode.judging.author_errors import AuthorError
 from polhode.kinds import question_checks
 
 NEAR, LIMIT, ATOL = (

@@ -11,7 +11,7 @@ import pytest
 
 from exercises.catalogue import assignments
 from exercises.samples import samples
-from polhode.document import document
+from polhode.report.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

@@ -6,7 +6,7 @@ import pytest
 
 from exercises.assignment import Scene, Sweep
 from exercises.sweep import SETTINGS, compared
-from polhode.outcome import SweepResult, SweptPoint
+from polhode.judging.outcome import SweepResult, SweptPoint
 
 KAPPA = 72.7
 SWEEP = Sweep(

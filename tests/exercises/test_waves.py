@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from exercises.waves import assignment as author
+from polhode.judging.return_value import WrongAnswer
 from polhode.kinds.asking import expression
-from polhode.return_value import WrongAnswer
 from tests.support.toolbox import failed, judged
 
 ALL = list(author.notebook.questions())

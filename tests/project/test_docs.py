@@ -14,9 +14,9 @@ from exercises import author, mutation
 from exercises.authoring.codes import CODES
 from exercises.question import Question
 from exercises.samples import samples
-from polhode import checks
-from polhode.document import document
+from polhode.judging import checks
 from polhode.kinds import KINDS
+from polhode.report.document import document
 from service import app
 from service.grading.grade import grade
 from service.grading.submission import SizeLimits, Submission

@@ -7,7 +7,7 @@ from tests.support.pictures import shown
 
 PAGE, NOTEBOOK = "docs/pages/class-dark.png", "docs/notebook.png"
 TEMPLATE, STYLE_SHEET = "service/pages/templates/report.html", "service/pages/static/polhode.css"
-OF_KIT = "exercises/kit/polhode/report_html.py"
+OF_KIT = "exercises/kit/polhode/report/report_html.py"
 
 
 @pytest.fixture

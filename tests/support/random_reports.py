@@ -2,9 +2,9 @@
 
 from hypothesis import strategies as st
 
-from polhode.claims import NotebookCheck
-from polhode.judge import RowsRight, Verdict
-from polhode.outcome import Diagnosis, Ended, Outcome, Picture, SceneEnd
+from polhode.judging.claims import NotebookCheck
+from polhode.judging.judge import RowsRight, Verdict
+from polhode.judging.outcome import Diagnosis, Ended, Outcome, Picture, SceneEnd
 from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
 HOSTILE = (

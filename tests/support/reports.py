@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from exercises.catalogue import find
-from polhode.judge import Verdict
-from polhode.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
-from polhode.report import Provenance, Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
+from polhode.report.report import Provenance, Report
 from service.grading.result import GradedFile
 
 ASSIGNMENT = find("rigid-body")

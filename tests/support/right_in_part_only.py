@@ -68,9 +68,9 @@ IN_PART = {
     "wrong, with the play's own comparison and integrator replaced": f"""
         if not calls[0]:
             calls[0] = 1
-            import polhode.integration, polhode.return_value
-            polhode.return_value.real_array = lambda value, *rest: value / 1.5
-            polhode.integration.integrate = lambda rates, start, times, *rest: np.zeros((len(start),
+            import polhode.judging.integration, polhode.judging.return_value
+            polhode.judging.return_value.real_array = lambda value, *rest: value / 1.5
+            polhode.judging.integration.integrate = lambda rates, start, times, *rest: np.zeros((len(start),
             len(times))) np.array_equal = lambda *values, **options: True
         return {RIGHT} * 1.5
         """,

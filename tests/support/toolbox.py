@@ -14,7 +14,7 @@ from exercises import wheel
 from exercises.assignment import Assignment
 from exercises.author import Notebook
 from exercises.catalogue import find
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from polhode.kinds import question_checks
 
 FOLDER = Path(__file__).parents[1] / "assignments" / "toolbox"

@@ -18,8 +18,8 @@ from typing import Any
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from exercises.samples import samples
-from polhode.judge import MARKS
-from polhode.report import Report
+from polhode.judging.judge import MARKS
+from polhode.report.report import Report
 from service.grading import reproduction
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.result import GradedFile

@@ -26,8 +26,8 @@ import numpy as np
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.document import document
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
+from polhode.report.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import job, session

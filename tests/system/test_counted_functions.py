@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.catalogue import find
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.grade import grade
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.submission import Submission

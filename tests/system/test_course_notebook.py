@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from polhode.document import document
-from polhode.judge import Verdict
-from polhode.report_html import html
+from polhode.judging.judge import Verdict
+from polhode.report.document import document
+from polhode.report.report_html import html
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.course_notebook import FILE, LABELS, as_ipynb, as_percent, code

@@ -13,7 +13,7 @@ import pytest
 
 from exercises import wheel
 from exercises.importing import imported
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -122,7 +122,7 @@ PASSING = (
         (
             published(
                 (
-                    "total = 11\nimport polhode.judge\npolhode.judge.close = None\nvalidate = None\n",
+                    "total = 11\nimport polhode.judging.judge\npolhode.judging.judge.close = None\nvalidate = None\n",
                     *SOLUTIONS[1:],
                 )
             ),
@@ -291,15 +291,15 @@ def test_a_loop_makes_the_claims_that_it_makes_with_the_authors_solution(tmp_pat
         assert "the loop made 1 of the 4 checks that it makes with the right solution" in made.text()
 
 
-IMPORTS = 'from polhode import validate\nvalidate.close(total, 10, "ten")\n'
+IMPORTS = 'from polhode.judging import validate\nvalidate.close(total, 10, "ten")\n'
 PATCHES = (
     (
-        "import polhode.validate as w\nold = w.close\n"
+        "import polhode.judging.validate as w\nold = w.close\n"
         "w.close = lambda got, expected, *a, **k: old(expected, expected, *a, **k)\n"
     ),
     (
-        "import polhode, types\nv = polhode.validate\n"
-        "polhode.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
+        "import polhode, types\nv = polhode.judging.validate\n"
+        "polhode.judging.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
     ),
     "import sys\nsys._getframe = None\n",
     "import sys\nsys.modules['polhode'] = None\n",
@@ -550,7 +550,7 @@ COURSE = {
     "draw.py": "PEN = 'blue'\n",
     "unused.py": "1 / 0\n",
 }
-IMPORTS_OWN = "from polhode import draw, shapes, validate\n"
+IMPORTS_OWN = "from polhode import draw, shapes; from polhode.judging import validate\n"
 OWN_LINE = 'validate.check(shapes.side(total) == (3.162, "blue") == (3.162, draw.PEN), "a side of 3.162")\n'
 KERNEL = """
 import sys

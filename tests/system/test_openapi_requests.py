@@ -12,7 +12,7 @@ from schemathesis import GenerationMode
 from schemathesis.checks import CHECKS, load_all_checks
 
 from exercises import wheel
-from polhode.report import Picture
+from polhode.report.report import Picture
 from service.store.artefacts import store_artefacts
 from service.store.workers import register_worker
 from tests.support.app import App

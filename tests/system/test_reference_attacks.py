@@ -8,7 +8,7 @@ import textwrap
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.sandbox import session
 from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
 from service.sandbox.isolation import process_isolation

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from polhode import gather
+from polhode.notebook import gather
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.course_notebook import as_ipynb

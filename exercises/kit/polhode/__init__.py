@@ -8,7 +8,9 @@ scipy, and imports matplotlib only to draw.
 import importlib
 from typing import Any
 
-from polhode import animate, draw, validate
+from polhode import draw
+from polhode.animation import animate
+from polhode.judging import validate
 
 KIT = "1"
 """The kit's generation. It changes only when a notebook written for an older kit no longer works with the

@@ -9,9 +9,9 @@ from exercises.rigid_body.causes.precession import causes_of_rate
 from exercises.rigid_body.causes.rates import causes_of_rates
 from exercises.rigid_body.public.common_checks import filmed
 from exercises.rigid_body.public.quantities import Array
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import Diagnosis
 from polhode.kinds.animation.body import diagnose
-from polhode.outcome import Diagnosis
 
 CODES = (
     *(

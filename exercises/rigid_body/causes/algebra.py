@@ -27,7 +27,7 @@ from exercises.rigid_body.public.diagnosis import (
     multiple,
 )
 from exercises.rigid_body.public.quantities import Array
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 
 Order = tuple[int, ...]
 Form = tuple[tuple[Order, str, Order], list[float]]

@@ -10,7 +10,7 @@ from exercises.rigid_body.causes.algebra import MOMENT
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.public.diagnosis import Mistake, cause
 from exercises.rigid_body.public.quantities import Array
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 
 AGREEMENT = 1e-10
 NEARLY = 0.03

@@ -13,7 +13,7 @@ from exercises.rigid_body.causes.algebra import MOMENT, SPIN, Slip, diagnoses, f
 from exercises.rigid_body.probes import scale
 from exercises.rigid_body.public.diagnosis import COMPONENT, agree, cause
 from exercises.rigid_body.public.quantities import Array
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 
 Mask = NDArray[np.bool_]
 LEAST_POINTS = 3  # that are right, and on each side of a threshold

@@ -10,7 +10,7 @@ from exercises.assignment import Answers
 from exercises.rigid_body.causes.algebra import SPIN
 from exercises.rigid_body.public.diagnosis import TURN, cause
 from exercises.rigid_body.public.quantities import Array
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 
 Numbers = tuple[str, str, Sequence[Any]]
 

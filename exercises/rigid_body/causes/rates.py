@@ -34,7 +34,7 @@ from exercises.rigid_body.public.diagnosis import (
     not_finite,
 )
 from exercises.rigid_body.public.quantities import Array
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 
 ORDERS = list(itertools.permutations(range(3)))
 MOST = 4  # errors of forms: more of them may reproduce any numbers of that kind

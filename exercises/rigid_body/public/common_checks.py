@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.checks import Arrays, Check, within
+from polhode.judging.checks import Arrays, Check, within
 from polhode.kinds.animation.body import Body, follows
 from polhode.kinds.animation.shown import moves
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.checks import Arrays
-from polhode.outcome import Diagnosis
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import Diagnosis
 
 from .quantities import Array
 

@@ -4,12 +4,12 @@ solution.
 
 import numpy as np
 
-from polhode import judge
-from polhode.checks import Arrays, Check, below, close, conserved, holds
-from polhode.exercise import Animation, Exercise
-from polhode.judge import Judgement
+from polhode.judging import judge
+from polhode.judging.checks import Arrays, Check, below, close, conserved, holds
+from polhode.judging.exercise import Animation, Exercise
+from polhode.judging.judge import Judgement
+from polhode.judging.outcome import Tolerance
 from polhode.kinds.animation.body import keeps_momentum
-from polhode.outcome import Tolerance
 
 from . import figures, motions
 from .common_checks import DRIVE, NOTEBOOK, at_time, attitude, film, filmed, omega

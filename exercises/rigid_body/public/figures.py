@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.checks import Arrays
 from polhode.draw import FACE_COLORS, arrow, box_polys, cube_axes, legend_above
-from polhode.exercise import Figure
+from polhode.judging.checks import Arrays
+from polhode.judging.exercise import Figure
 
 from .quantities import (
     BODY,

@@ -5,7 +5,7 @@ boxes.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from polhode.exercise import Motion
+from polhode.judging.exercise import Motion
 
 from .quantities import BODY, BOX, SYMMETRIC
 

@@ -8,8 +8,8 @@ student's kernel must print the same digits as the server.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from polhode.checks import Arrays
-from polhode.outcome import Tolerance
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import Tolerance
 
 Array = NDArray[np.float64]
 

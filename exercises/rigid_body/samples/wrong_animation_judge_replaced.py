@@ -1,7 +1,7 @@
 import time
 
-import polhode.animation_recording
-import polhode.artists
+import polhode.animation.animation_recording
+import polhode.animation.artists
 
 
 def euler_eqs(t, w, I):
@@ -32,11 +32,11 @@ def right_anyway(*args, **kwargs):
 
 # none of these is what the server calls
 for module, name in (
-    (polhode.animation_recording, "watch"),
-    (polhode.animation_recording, "drawn"),
-    (polhode.animation_recording, "moving_share"),
-    (polhode.artists, "drawn"),
-    (polhode.artists, "_line"),
+    (polhode.animation.animation_recording, "watch"),
+    (polhode.animation.animation_recording, "drawn"),
+    (polhode.animation.animation_recording, "moving_share"),
+    (polhode.animation.artists, "drawn"),
+    (polhode.animation.artists, "_line"),
     (np, "lexsort"),
     (time, "process_time"),
     (time, "monotonic"),

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from exercises.assignment import Assignment
 from exercises.samples import Sample, SampleSet, codes, entry
 from exercises.validation import format_error
-from polhode.document import document
-from polhode.judge import MARKS, Verdict
-from polhode.outcome import Ended
-from polhode.report import Report
+from polhode.judging.judge import MARKS, Verdict
+from polhode.judging.outcome import Ended
+from polhode.report.document import document
+from polhode.report.report import Report
 from service.grading.jobs import draw_inputs, truth
 from service.grading.result import GradedFile
 from service.sandbox.time_budget import DEFAULT_LIMITS

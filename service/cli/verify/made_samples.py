@@ -12,10 +12,10 @@ from pathlib import Path
 
 from exercises.assignment import Assignment
 from exercises.mistakes import UNSEEN, MadeSample
-from polhode.document import document
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from polhode.kinds import NEW_INPUTS
-from polhode.report import Report
+from polhode.report.document import document
+from polhode.report.report import Report
 from service.cli.progress import Progress
 from service.cli.verify.comparison import Tally, cpu_warning
 from service.cli.verify.published_notebook import notebook_differences

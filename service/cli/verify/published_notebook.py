@@ -17,7 +17,7 @@ from exercises import author_notebook, wheel
 from exercises.assignment import Assignment
 from exercises.mistakes import MadeSample
 from polhode.notebook.cells import python_of, statements_of
-from polhode.report import Report
+from polhode.report.report import Report
 
 TIME_S = 30.0  # for one sample
 PROGRAM = Path(__file__).with_name("run_notebook.py")

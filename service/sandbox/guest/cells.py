@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
-from polhode import animate
-from polhode.return_value import is_written
+from polhode.animation import animate
+from polhode.judging.return_value import is_written
 
 from . import unused_libraries
 from .budget import Budget, OutOfTime, limited

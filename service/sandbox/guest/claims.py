@@ -1,4 +1,6 @@
-"""The calls of ``polhode.validate`` in a notebook's cells, sent to the host as data while the cells run."""
+"""The calls of ``polhode.judging.validate`` in a notebook's cells, sent to the host as data while the cells
+run.
+"""
 
 import sys
 from collections import Counter
@@ -10,8 +12,8 @@ from typing import Any
 import numpy as np
 
 import polhode
-from polhode import validate
-from polhode.claims import Claim
+from polhode.judging import validate
+from polhode.judging.claims import Claim
 
 from .seal import private_modules
 from .wire import Writer
@@ -23,7 +25,7 @@ MOST_CUT = 1000  # calls of published cells of which not every claim is sent
 MOST_NUMBERS = 1 << 16  # of one claim: 512 KiB
 MOST_IN_ALL = 1 << 20  # numbers of all claims: 8 MiB
 MOST_AXES = 8
-PRIVATE = ("polhode.judge", "polhode.claims", "polhode.validate")
+PRIVATE = ("polhode.judging.judge", "polhode.judging.claims", "polhode.judging.validate")
 _getframe = sys._getframe  # a submission can replace it
 
 
@@ -41,7 +43,7 @@ class Recorder:
         self._cut = set[tuple[str, int, int]]()
         self.places = False  # whether claims are sent with their place in the cell's source
         with private_modules(PRIVATE) as copies:
-            self.validate: Any = copies["polhode.validate"]
+            self.validate: Any = copies["polhode.judging.validate"]
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
 
     @contextmanager
@@ -58,15 +60,15 @@ class Recorder:
     @contextmanager
     def in_place(self, student: dict[str, Any]) -> Iterator[None]:
         """Let a published cell that runs inside the ``with`` block find the private copy of
-        ``polhode.validate``.
+        ``polhode.judging.validate``.
         """
         theirs = student.get("validate", validate)
-        student["validate"] = polhode.validate = self.validate
-        sys.modules |= {"polhode": polhode, "polhode.validate": self.validate}
+        student["validate"] = polhode.judging.validate = self.validate
+        sys.modules |= {"polhode": polhode, "polhode.judging.validate": self.validate}
         try:
             yield
         finally:
-            polhode.validate = sys.modules["polhode.validate"] = validate
+            polhode.judging.validate = sys.modules["polhode.judging.validate"] = validate
             if student.get("validate") is self.validate:
                 student["validate"] = theirs
 

@@ -4,8 +4,8 @@ import linecache
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from polhode.author_errors import SOURCES, author_error
-from polhode.return_value import describe_exception
+from polhode.judging.author_errors import SOURCES, author_error
+from polhode.judging.return_value import describe_exception
 
 from .budget import Budget, OutOfTime
 from .limits import limit

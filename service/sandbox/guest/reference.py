@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.return_value import describe_exception
+from polhode.judging.return_value import describe_exception
 
 from .calls import LOADED, Channel
 from .run_scenes import prepare

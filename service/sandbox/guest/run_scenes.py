@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import polhode
-from polhode import animate
-from polhode.author_errors import AuthorError, author_error, checked_arrays
-from polhode.data_files import MODULES, use_modules
-from polhode.notes import Absent, noting
-from polhode.return_value import is_written, missing
+from polhode.animation import animate
+from polhode.client.data_files import MODULES, use_modules
+from polhode.judging.author_errors import AuthorError, author_error, checked_arrays
+from polhode.judging.notes import Absent, noting
+from polhode.judging.return_value import is_written, missing
 
 from . import unused_libraries
 from .budget import Budget, limited
@@ -38,12 +38,12 @@ OWN_MODULES = Path(MODULES).absolute()  # of an assignment, among its data files
 # is graded.
 NOTEBOOK_ONLY = ("check", "connect", "login", "logout", "submissions", "submit")
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
-INTEGRATION = "polhode.integration"
+INTEGRATION = "polhode.judging.integration"
 PRIVATE = (
-    "polhode.artists",
-    "polhode.axes_decoration",
-    "polhode.visibility",
-    "polhode.animation_recording",
+    "polhode.animation.artists",
+    "polhode.animation.axes_decoration",
+    "polhode.animation.visibility",
+    "polhode.animation.animation_recording",
     INTEGRATION,
 )
 

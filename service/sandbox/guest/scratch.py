@@ -34,7 +34,7 @@ NO_ROOM = (
     f" each of at most {MOST_FILE // MIB} MiB: write less"
 )
 USER = "student"
-MODULES = "polhode"  # the folder among data files that polhode.data_files imports modules from
+MODULES = "polhode"  # the folder among data files that polhode.client.data_files imports modules from
 
 
 class Scratch:

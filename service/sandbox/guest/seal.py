@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from polhode.return_value import WrongAnswer
+from polhode.judging.return_value import WrongAnswer
 
 REPLACED = "your code replaces {name}, a part of polhode's checks: remove that"
 

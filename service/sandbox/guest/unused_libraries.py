@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType, WrapperDescriptorType
 from typing import Any, NoReturn
 
-from polhode.author_errors import KIT
+from polhode.judging.author_errors import KIT
 
 from .wire import FILES
 from .zygote import NEEDED

@@ -42,7 +42,7 @@ the child ended because its scratch folder was full.
 """
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
-    "polhode.animation_recording",
+    "polhode.animation.animation_recording",
     "guest.lockdown",
     "guest.reference",
     "guest.run_scenes",

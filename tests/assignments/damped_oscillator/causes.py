@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import Inputs
-from polhode.checks import Arrays
-from polhode.outcome import Diagnosis
+from polhode.judging.checks import Arrays
+from polhode.judging.outcome import Diagnosis
 
 Array = NDArray[np.float64]
 Wrong = Callable[[Array, Array, Array, Array], tuple[Array, Array]]

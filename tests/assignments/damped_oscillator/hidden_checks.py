@@ -1,6 +1,6 @@
 """The hidden checks, added to the public ones."""
 
-from polhode.checks import within
+from polhode.judging.checks import within
 
 RATES = within(
     "1-rates",

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from polhode.return_value import WrongAnswer, check_signature, real_array
+from polhode.judging.return_value import WrongAnswer, check_signature, real_array
 
 RTOL, ATOL, MOST_CALLS = 1e-10, 1e-12, 20_000  # a correct submission needs fewer than 2000 calls
 CALLED = ("t", "y", "omega", "gamma")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from polhode.return_value import real_array
+from polhode.judging.return_value import real_array
 
 
 def values(student, inputs):

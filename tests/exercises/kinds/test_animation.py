@@ -9,10 +9,10 @@ import pytest
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 
 from exercises.kinds.animation import animation
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Tolerance
 from polhode.kinds import question_checks
 from polhode.kinds.animation.trajectories import followed
-from polhode.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import check_locally, mistaken

@@ -6,7 +6,7 @@ import sys
 import pytest
 import sympy
 
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
@@ -53,7 +53,7 @@ def test_mistakes_fail_in_the_sandbox(symbolic, sympy_sandbox):
 
 def unmeasured(symbolic, answer):
     """The reason why an answer of flow is not measured, None if it is."""
-    from polhode.return_value import WrongAnswer
+    from polhode.judging.return_value import WrongAnswer
 
     question = next(q for q in symbolic.notebook.questions() if q.function == "flow")
     names = question.defined_by(

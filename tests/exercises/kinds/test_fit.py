@@ -6,9 +6,9 @@ from scipy.optimize import curve_fit
 
 from exercises.author import uniform
 from exercises.kinds.fit import fit
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Tolerance
 from polhode.kinds import question_checks
-from polhode.outcome import Tolerance
 
 PARAMETERS, COVARIANCE = "parameters", "covariance"
 

@@ -7,7 +7,7 @@ from exercises.author import Tolerance, uniform
 from exercises.kinds.ode import ode
 from exercises.question_errors import question_errors
 from exercises.sweep import compared
-from polhode.author_errors import AuthorError
+from polhode.judging.author_errors import AuthorError
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.grader import Grader

@@ -11,7 +11,7 @@ import pytest
 from exercises.author import Tolerance, uniform
 from exercises.kinds.random import estimate, generator, samples, seed
 from exercises.question_errors import question_errors
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from polhode.kinds import question_checks
 from polhode.kinds.random import ESTIMATES, SAMPLES
 from service.grading.grade import grade

@@ -10,8 +10,8 @@ from exercises.author import Tolerance, family, uniform
 from exercises.kinds.stepper import euler, heun, midpoint, rk4, stepper
 from exercises.question_errors import question_errors
 from polhode import kinds
-from polhode.drawing import draw
 from polhode.kinds import stepper as kit
+from polhode.report.drawing import draw
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged, mistaken, question_of

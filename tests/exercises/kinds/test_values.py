@@ -10,10 +10,10 @@ import pytest
 from exercises.author import integers, normal, uniform
 from exercises.kinds.values import other_inputs, values
 from exercises.question_errors import question_errors
-from polhode.author_errors import AuthorError
-from polhode.judge import RowsRight, Verdict
+from polhode.judging.author_errors import AuthorError
+from polhode.judging.judge import RowsRight, Verdict
+from polhode.judging.outcome import Tolerance
 from polhode.kinds.values import agreement, credited
-from polhode.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

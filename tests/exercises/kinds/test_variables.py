@@ -4,8 +4,8 @@ import pytest
 
 from exercises.kinds.variables import claim, variables
 from exercises.question_errors import question_errors
-from polhode.judge import Verdict
-from polhode.outcome import Tolerance
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import mistaken

@@ -9,8 +9,10 @@ import sympy
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 from matplotlib.figure import Figure
 
-from polhode import animate, animation_recording, draw, validate
-from polhode.return_value import WrongAnswer, real_array
+from polhode import draw
+from polhode.animation import animate, animation_recording
+from polhode.judging import validate
+from polhode.judging.return_value import WrongAnswer, real_array
 
 mpl.use("Agg")
 

@@ -9,7 +9,7 @@ import reference
 from exercises.catalogue import find
 from exercises.rigid_body import plays, probes
 from exercises.rigid_body.draws import DRAWN
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 FORMULAS = {

@@ -9,7 +9,7 @@ import reference
 from exercises.rigid_body import plays
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public import quantities
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 SPELLINGS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.rigid_body.public.quantities import SYMMETRIC
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 # By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth

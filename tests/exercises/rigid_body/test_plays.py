@@ -9,9 +9,9 @@ from matplotlib.animation import FuncAnimation, writers
 
 import reference
 from exercises.rigid_body import plays
-from polhode import animate
-from polhode.notes import noting
-from polhode.return_value import WrongAnswer
+from polhode.animation import animate
+from polhode.judging.notes import noting
+from polhode.judging.return_value import WrongAnswer
 
 
 def refusal(function, rigid_body, scene="torque-free"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.rigid_body import plays, probes
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 RIGHT = {

@@ -10,7 +10,7 @@ from scipy.optimize import curve_fit
 import reference
 from exercises.rigid_body import plays
 from exercises.rigid_body.scenes import SCENES, TILT
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.jobs import draw_inputs, truth
 
 

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import pytest
 
-from polhode.judge import Verdict
-from polhode.outcome import Ended, ExerciseReport, Outcome, SceneEnd, Tolerance
-from polhode.report import Provenance, Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Ended, ExerciseReport, Outcome, SceneEnd, Tolerance
+from polhode.report.report import Provenance, Report
 from service.grading.submission import Submission
 from service.store import runs
 from service.store.course import people, tokens

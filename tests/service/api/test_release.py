@@ -13,8 +13,8 @@ from datetime import UTC, datetime, timedelta
 import pytest
 from fastapi.routing import APIRoute
 
-from polhode.judge import RowsRight
-from polhode.outcome import Diagnosis, Ended, ExerciseReport, Picture, SceneEnd
+from polhode.judging.judge import RowsRight
+from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Picture, SceneEnd
 from service import app
 from service.api import figures
 from service.store import queue_overview, runs

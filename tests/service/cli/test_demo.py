@@ -16,8 +16,8 @@ from types import SimpleNamespace
 import pytest
 
 from exercises.samples import samples
-from polhode.document import document
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
+from polhode.report.document import document
 from service.cli import demo
 from service.cli.demo_class import add_class
 from service.settings import Settings

@@ -15,7 +15,12 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
     )
     cells = [
         ("markdown", "t", [], "# Odd things"),
-        ("code", "s", [], "import sympy\nfrom polhode import nowhere, validate\nimport no_such_package\n"),
+        (
+            "code",
+            "s",
+            [],
+            "import sympy\nfrom polhode import nowhere; from polhode.judging import validate\nimport no_such_package\n",
+        ),
         ("code", "a", [SOLUTION], "x = 2\n"),
         ("code", "v", ["validation"], in_function),
     ]
@@ -60,7 +65,7 @@ def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
 
 def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, capsys):
     setup = (
-        "import numpy as np\nfrom polhode import validate\nfrom polhode import validate as v\n"
+        "import numpy as np\nfrom polhode.judging import validate\nfrom polhode.judging import validate as v\n"
         "d = np.loadtxt('d.csv')\ne = 'absent.csv'\n"
     )
     file = written(

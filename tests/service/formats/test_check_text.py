@@ -1,6 +1,6 @@
 """What is said of one check: harmless text, and the traceback of what kept it from being measured."""
 
-from polhode.outcome import Ended, SceneEnd
+from polhode.judging.outcome import Ended, SceneEnd
 from service.formats.check_text import detail, one_line, sanitize
 from tests.support.reports import TRACEBACK, example, outcome, report
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
-from polhode.outcome import Diagnosis, Picture
+from polhode.judging.outcome import Diagnosis, Picture
 from service.formats.check_text import one_line, sanitize
 from service.formats.github import MOST, MOST_BYTES, Annotation, annotations, escape_commands, summary
 from tests.support.random_reports import HOSTILE, TEXTS

@@ -4,7 +4,7 @@ from urllib.parse import unquote
 
 import pytest
 
-from polhode.outcome import SweepResult
+from polhode.judging.outcome import SweepResult
 from service.cli.output_dir import OutputDir
 from service.formats import html
 from service.grading.batch import GradeOptions, GradeRequest, grade_files

@@ -7,7 +7,7 @@ import json
 import nbformat
 import pytest
 
-from polhode.outcome import Ended, SceneEnd
+from polhode.judging.outcome import Ended, SceneEnd
 from service.formats.source_lines import SourceLines
 from tests.support.reports import graded_file, outcome, report
 

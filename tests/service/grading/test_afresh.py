@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.catalogue import find
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from polhode.judge import Verdict
-from polhode.outcome import Ended
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Ended
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -18,8 +18,8 @@ FILES = {
     "assignment.py": (
         """import numpy as np
 
-from polhode.checks import close
-from polhode.exercise import Exercise, Figure
+from polhode.judging.checks import close
+from polhode.judging.exercise import Exercise, Figure
 from exercises.assignment import ArraySpec, Scene
 from exercises.author import Notebook
 

@@ -6,10 +6,10 @@ import json
 
 import pytest
 
-from polhode.document import document, read
-from polhode.judge import Verdict
-from polhode.report import Report
-from polhode.report_html import html
+from polhode.judging.judge import Verdict
+from polhode.report.document import document, read
+from polhode.report.report import Report
+from polhode.report.report_html import html
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

@@ -2,7 +2,7 @@
 
 import re
 
-from polhode.outcome import SweepResult, SweptPoint
+from polhode.judging.outcome import SweepResult, SweptPoint
 from service.grading.chart_card import card, of_class
 from service.grading.chart_drawing import draw
 

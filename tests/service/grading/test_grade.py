@@ -5,9 +5,9 @@ import json
 import pytest
 
 from exercises.samples import samples
-from polhode.document import document, read
-from polhode.judge import Verdict
-from polhode.report import Report
+from polhode.judging.judge import Verdict
+from polhode.report.document import document, read
+from polhode.report.report import Report
 from service.grading.grade import UnknownExercise, grade
 from service.grading.jobs import draw_inputs
 from service.grading.submission import Submission

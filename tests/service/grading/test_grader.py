@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from polhode.document import document
+from polhode.report.document import document
 from service.grading import grader, rendering
 from service.grading.grader import Grader, SweepFailed
 from service.grading.reproduction import LIMITS
@@ -96,8 +96,8 @@ def euler_eqs(t, w, I):
         frame.f_locals["calls"][0] = NUMBER
     return np.cross(I * w, w) / I
 """
-TIMED = """import itertools, polhode.timing
-polhode.timing.thread_time = map(lambda n: n * NUMBER, itertools.count()).__next__
+TIMED = """import itertools, polhode.judging.timing
+polhode.judging.timing.thread_time = map(lambda n: n * NUMBER, itertools.count()).__next__
 def euler_eqs(t, w, I):
     return np.cross(I * w, w) / I
 """

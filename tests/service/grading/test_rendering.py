@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from polhode.drawing import contact_sheet
+from polhode.report.drawing import contact_sheet
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission

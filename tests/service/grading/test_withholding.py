@@ -3,8 +3,8 @@
 import pytest
 
 from exercises.catalogue import find
-from polhode.judge import Verdict
-from polhode.outcome import Diagnosis, Ended
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Diagnosis, Ended
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.grading.withholding import LATER, without_details

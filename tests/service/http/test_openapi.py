@@ -6,7 +6,7 @@ import re
 import pytest
 
 from exercises import wheel
-from polhode.report import Picture
+from polhode.report.report import Picture
 from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES
 from service.store.artefacts import store_artefacts

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from polhode.document import document
-from polhode.outcome import Diagnosis, SweepResult, SweptPoint
+from polhode.judging.outcome import Diagnosis, SweepResult, SweptPoint
+from polhode.report.document import document
 from service.pages import class_charts, class_stats
 from service.store.artefacts import store_artefacts
 from service.store.course import outcomes, people

@@ -6,8 +6,8 @@ from uuid import uuid4
 
 import pytest
 
-from polhode.exercise import Motion
-from polhode.outcome import Diagnosis, ExerciseReport, Picture
+from polhode.judging.exercise import Motion
+from polhode.judging.outcome import Diagnosis, ExerciseReport, Picture
 from service.pages import report_summary
 from tests.support.reports import outcome, report
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from exercises import validation
-from polhode.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
+from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT

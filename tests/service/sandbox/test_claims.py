@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.sandbox.claims import read
 from service.sandbox.guest.claims import MOST_NUMBERS
 from service.sandbox.untrusted_text import text
@@ -102,7 +102,7 @@ def test_what_is_no_claim_is_refused(changed, raw):
 @pytest.mark.parametrize("values", [[], [0.0], [1e308, -1e308], [5e-324, 1e308], [np.inf, 0.0]])
 @pytest.mark.parametrize("number", [0.0, -1.0, 1e308, float("inf"), float("nan")])
 def test_no_numbers_break_the_judgement(kind, values, number):
-    from polhode.claims import KINDS
+    from polhode.judging.claims import KINDS
 
     raw = np.array(values * len(KINDS[kind].arrays)).tobytes()
     header = CLOSE | {"kind": kind, "numbers": dict.fromkeys(KINDS[kind].numbers, number)}

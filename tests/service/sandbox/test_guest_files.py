@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from matplotlib import font_manager, get_cachedir
 
-from polhode.judge import Verdict
+from polhode.judging.judge import Verdict
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.grade import grade
 from service.grading.submission import Submission

@@ -33,7 +33,9 @@ LEVELS = pytest.mark.parametrize(
 )
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
 # imported by no zygote
-LAZY = "import bz2, scipy.stats, polhode.pyodide, matplotlib.tri\nprint(open('/dev/null').read() == '')"
+LAZY = (
+    "import bz2, scipy.stats, polhode.client.pyodide, matplotlib.tri\nprint(open('/dev/null').read() == '')"
+)
 
 
 @pytest.fixture

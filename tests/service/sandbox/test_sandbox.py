@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.sandbox import session, zygote
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Cell, Job, SceneRequest

@@ -8,9 +8,9 @@ from functools import partial
 
 import pytest
 
-from polhode.document import document
-from polhode.judge import Verdict
-from polhode.outcome import Ended
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Ended
+from polhode.report.document import document
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -106,7 +106,7 @@ def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigi
 
 def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
     source = (
-        "from polhode.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n"
+        "from polhode.judging.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n"
         "    raise WrongAnswer('all-right', 'x')"
     )
     report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report

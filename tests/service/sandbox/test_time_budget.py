@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.grading import grade as grading
 from service.grading.grade import grade
 from service.grading.submission import Submission

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.document import document
-from polhode.notes import MOST_REMARKS
-from polhode.outcome import Ended
+from polhode.judging.notes import MOST_REMARKS
+from polhode.judging.outcome import Ended
+from polhode.report.document import document
 from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import pack
 from service.sandbox.job import Cell, Job, SceneRequest

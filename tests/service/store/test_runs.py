@@ -9,9 +9,9 @@ from dataclasses import replace
 import psycopg
 import pytest
 
-from polhode.judge import Verdict
-from polhode.outcome import Diagnosis, Outcome, Tolerance
-from polhode.report import ExerciseReport, Provenance, Report
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Diagnosis, Outcome, Tolerance
+from polhode.report.report import ExerciseReport, Provenance, Report
 from service.store import artefacts, records, runs, workers
 from service.store.queue_overview import regrade, snapshot
 from service.store.submissions import SubmissionRejected, accept, add_grading

@@ -160,10 +160,12 @@ PHYSICS = [
     ),
     Breakage(
         "an artist that changes no pixel counts as visible",
-        "exercises/kit/polhode/visibility.py",
+        "exercises/kit/polhode/animation/visibility.py",
         "return artists if changed.any() else []",
         "return artists",
-        ("tests/exercises/kit/polhode/test_visibility.py::test_what_changes_no_pixel_does_not_count",),
+        (
+            "tests/exercises/kit/polhode/animation/test_visibility.py::test_what_changes_no_pixel_does_not_count",
+        ),
     ),
     Breakage(
         "a picture in which nothing changes but text passes as a moving one",

@@ -141,7 +141,7 @@ SANDBOX = [
     ),
     Breakage(
         "a submission may replace the recorder of its animation",
-        "exercises/kit/polhode/animation_recording.py",
+        "exercises/kit/polhode/animation/animation_recording.py",
         "    checked()\n",
         "",
         ("tests/service/sandbox/guest/test_seal.py",),
@@ -248,17 +248,17 @@ SANDBOX = [
     ),
     Breakage(
         "an exception in the author's play is the student's",
-        "exercises/kit/polhode/author_errors.py",
+        "exercises/kit/polhode/judging/author_errors.py",
         "if isinstance(error, WrongAnswer | MemoryError) or not frames or",
         "if isinstance(error, Exception) or not frames or",
         ("tests/service/grading/test_author_errors.py",),
     ),
     Breakage(
         "a check that fails for the exact numbers too is unmeasured",
-        "exercises/kit/polhode/checks.py",
+        "exercises/kit/polhode/judging/checks.py",
         "if not isinstance(error, ArithmeticError | ValueError | IndexError):",
         "if not isinstance(error, Exception):",
-        ("tests/exercises/kit/polhode/test_checks.py",),
+        ("tests/exercises/kit/polhode/judging/test_checks.py",),
     ),
     Breakage(
         "a student reads where the assignment's code failed",
@@ -341,7 +341,7 @@ SANDBOX = [
     ),
     Breakage(
         "a notebook's own check with numbers that are not finite is judged",
-        "exercises/kit/polhode/claims.py",
+        "exercises/kit/polhode/judging/claims.py",
         "if not np.all(np.isfinite(self.arrays[name])):",
         "if np.all(np.isnan(self.arrays[name])):",
         ("tests/exercises/kit/test_polhode.py",),

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from polhode.checks import Arrays, Check
-from polhode.exercise import Exercise
-from polhode.judge import Verdict
+from polhode.judging.checks import Arrays, Check
+from polhode.judging.exercise import Exercise
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Diagnosis
 from polhode.kinds import animation, expression, fit, ode, random, stepper, values, variables
 from polhode.kinds.asking import each
 from polhode.kinds.values import agreement
-from polhode.outcome import Diagnosis
 
 KINDS: Mapping[str, ModuleType] = {
     "animation": animation,

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.exercise import Figure
-from polhode.notes import Absent, absent
-from polhode.return_value import (
+from polhode.judging.exercise import Figure
+from polhode.judging.notes import Absent, absent
+from polhode.judging.return_value import (
     WrongAnswer,
     article,
     check_signature,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from polhode.judging.return_value import WrongAnswer, article
 from polhode.kinds.asking import arguments, call, each, parts, returned
 from polhode.kinds.values import checks  # noqa: F401
-from polhode.return_value import WrongAnswer, article
 
 DIGITS = 30  # of the evaluation, so that cancellation in an equivalent form costs nothing
 

@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode import judge
-from polhode.checks import Arrays, Check
 from polhode.draw import legend_above
-from polhode.exercise import Figure
-from polhode.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
-from polhode.judge import Judgement
+from polhode.judging import judge
+from polhode.judging.checks import Arrays, Check
+from polhode.judging.exercise import Figure
+from polhode.judging.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
+from polhode.judging.judge import Judgement
+from polhode.judging.outcome import Tolerance
+from polhode.judging.return_value import WrongAnswer
+from polhode.judging.timing import seconds_of_a_call, timed_runs
 from polhode.kinds.asking import (
     arguments,
     describe,
@@ -31,9 +34,6 @@ from polhode.kinds.asking import (
     stacked,
 )
 from polhode.kinds.values import checks, play  # noqa: F401
-from polhode.outcome import Tolerance
-from polhode.return_value import WrongAnswer
-from polhode.timing import seconds_of_a_call, timed_runs
 
 RTOL, TIMES = 1e-11, 201
 

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode import judge
-from polhode.checks import Arrays, Check, holds
-from polhode.judge import Judgement
+from polhode.judging import judge
+from polhode.judging.checks import Arrays, Check, holds
+from polhode.judging.judge import Judgement
+from polhode.judging.outcome import Tolerance
 from polhode.kinds.asking import arguments, call, describe, each, returned, stacked
-from polhode.outcome import Tolerance
 
 Array = NDArray[np.float64]
 Test = tuple[Array, float, str]

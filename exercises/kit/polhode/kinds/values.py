@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from polhode import judge
-from polhode.checks import Arrays, Check, Locate, below
-from polhode.judge import Judgement, RowsRight, Verdict
+from polhode.judging import judge
+from polhode.judging.checks import Arrays, Check, Locate, below
+from polhode.judging.judge import Judgement, RowsRight, Verdict
+from polhode.judging.outcome import Tolerance
+from polhode.judging.return_value import Kept
 from polhode.kinds.alignment import aligned
 from polhode.kinds.asking import Counted, arguments, call, describe, each, returned
-from polhode.outcome import Tolerance
-from polhode.return_value import Kept
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:

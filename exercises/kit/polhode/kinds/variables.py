@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.checks import Arrays, Check, shows
+from polhode.judging.checks import Arrays, Check, shows
 from polhode.kinds.asking import evaluate
 from polhode.kinds.values import play, value_check  # noqa: F401
 

@@ -6,8 +6,8 @@ It may import numpy, scipy, the kit, and its own modules (relatively), and must 
 
 import numpy as np
 
-from polhode.checks import Arrays, conserved, within
-from polhode.exercise import Exercise
+from polhode.judging.checks import Arrays, conserved, within
+from polhode.judging.exercise import Exercise
 
 from .figures import MOTION
 from .parameters import UNDAMPED

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from polhode.checks import Arrays
-from polhode.exercise import Figure
+from polhode.judging.checks import Arrays
+from polhode.judging.exercise import Figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

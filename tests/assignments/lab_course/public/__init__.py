@@ -1,7 +1,7 @@
 """The exercises of the lab course."""
 
-from polhode.checks import close
-from polhode.exercise import Exercise
+from polhode.judging.checks import close
+from polhode.judging.exercise import Exercise
 
 
 def _number(id, label, scene, name="value"):

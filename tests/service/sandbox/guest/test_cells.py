@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.sandbox.job import Cell, Job, SceneRequest
 
 PLAYS = """

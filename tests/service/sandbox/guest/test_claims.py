@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from polhode import validate
+from polhode.judging import validate
 from service.sandbox.guest.claims import MOST_AXES, MOST_CLAIMS, MOST_IN_ALL, MOST_NUMBERS, Recorder
 from service.sandbox.guest.wire import Writer
 

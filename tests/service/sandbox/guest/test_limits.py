@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.sandbox.guest import limits
 from service.sandbox.job import Cell, Job, SceneRequest
 

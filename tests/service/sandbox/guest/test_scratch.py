@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.data_files import MODULES
-from polhode.outcome import Ended
+from polhode.client.data_files import MODULES
+from polhode.judging.outcome import Ended
 from service.sandbox.guest import scratch, zygote
 from service.sandbox.guest.scratch import MIB, NO_ROOM, Scratch, remove
 from service.sandbox.isolation import process_isolation

@@ -4,7 +4,7 @@ animation.
 
 import pytest
 
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.grading.jobs import job_of
 from service.grading.submission import Submission
 

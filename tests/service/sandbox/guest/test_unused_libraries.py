@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.outcome import Ended
+from polhode.judging.outcome import Ended
 from service.sandbox.guest.zygote import NEEDED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.job import Cell, Job, SceneRequest
@@ -34,7 +34,7 @@ QUICK = {
 }  # one of each way
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"
 INTEGRATES = """
-from polhode.integration import integrate
+from polhode.judging.integration import integrate
 
 def ask(student, inputs):
     def rates(y, out):
@@ -252,8 +252,8 @@ def test_a_submission_cannot_replace_the_kinds_of_questions_that_plays_import(gu
 def test_a_guest_imports_at_first_only_what_children_need(later):
     """Its start is most of the time of grading one file."""
     unneeded = {
-        "polhode.course",
-        "polhode.exercise",
+        "polhode.client.course",
+        "polhode.judging.exercise",
         "polhode.kinds",
         "email",
         "html",
@@ -264,4 +264,4 @@ def test_a_guest_imports_at_first_only_what_children_need(later):
         job(""), setup="", cells=(Cell("submission.py", "import sys\nprint(*sys.modules)\nf = float"),)
     )
     printed = later.play(asked).stdout.split()
-    assert "polhode.integration" in printed and not unneeded.intersection(printed)
+    assert "polhode.judging.integration" in printed and not unneeded.intersection(printed)

@@ -1,6 +1,6 @@
 """The checks of counted submissions, as PostgreSQL aggregates them."""
 
-from polhode.outcome import Diagnosis
+from polhode.judging.outcome import Diagnosis
 from service.store.course import gradebook, outcomes
 from tests.support.database import run, sql
 from tests.support.reports import SLIP

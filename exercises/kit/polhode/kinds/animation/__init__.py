@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from polhode import judge
-from polhode.animation_recording import record
-from polhode.checks import Arrays, Check
-from polhode.exercise import Animation
-from polhode.judge import Judgement, Verdict
+from polhode.animation.animation_recording import record
+from polhode.judging import judge
+from polhode.judging.checks import Arrays, Check
+from polhode.judging.exercise import Animation
+from polhode.judging.judge import Judgement, Verdict
+from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.kinds.asking import arguments, call, each_row
-from polhode.outcome import Diagnosis, Tolerance
 
 SMALL = 0.0  # share of the pixels that must change: a point may be as small as one of them
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
 from polhode.kinds.animation.cameras import PARALLEL, parallel
 from polhode.kinds.animation.timing import Array
 

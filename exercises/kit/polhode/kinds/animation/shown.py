@@ -4,8 +4,8 @@ import pickle
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from polhode.animation_recording import moving_share
-from polhode.checks import Arrays, Check, holds
+from polhode.animation.animation_recording import moving_share
+from polhode.judging.checks import Arrays, Check, holds
 from polhode.kinds.animation.pictures import Picture, changed, is_consistent, pictures
 from polhode.kinds.animation.timing import LEAST_FRAMES, Array
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras, timing
 from polhode.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
 from polhode.kinds.animation.pictures import Path, Picture, resting

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from polhode.judging.return_value import WrongAnswer, article
 from polhode.kinds.asking import arguments, describe, returned
-from polhode.return_value import WrongAnswer, article
 
 
 def test_a_large_argument_is_shown_by_its_corners():

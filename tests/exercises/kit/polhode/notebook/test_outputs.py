@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from polhode.gather import whole_notebook
+from polhode.notebook.gather import whole_notebook
 from polhode.notebook.outputs import strip_outputs
 from tests.support.big_notebook import with_outputs
 

@@ -7,12 +7,12 @@ The drawing may have any style and the student's own camera. ``Body`` is the dat
 
 from collections.abc import Callable
 
-from polhode.checks import Arrays, Check, shows
+from polhode.judging.checks import Arrays, Check, shows
+from polhode.judging.outcome import Diagnosis
 from polhode.kinds.animation.body.comparing import body_shown
 from polhode.kinds.animation.body.momentum import momentum_shown
 from polhode.kinds.animation.body.motion import Body
 from polhode.kinds.animation.shown import Shown, standstill
-from polhode.outcome import Diagnosis
 
 __all__ = ["Body", "body_shown", "diagnose", "follows", "keeps_momentum", "momentum_shown"]
 

@@ -10,7 +10,7 @@ from itertools import chain
 
 import numpy as np
 
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras
 from polhode.kinds.animation.body import boxes
 from polhode.kinds.animation.body.direction import read, resembling

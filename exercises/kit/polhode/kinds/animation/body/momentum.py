@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from polhode.checks import Arrays
+from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras
 from polhode.kinds.animation.body.comparing import compared
 from polhode.kinds.animation.body.motion import Body, Motion

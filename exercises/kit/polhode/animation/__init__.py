@@ -1,0 +1,1 @@
+"""Recording what a submission's animations draw, and showing them in a notebook."""

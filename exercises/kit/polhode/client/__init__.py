@@ -1,0 +1,1 @@
+"""The student's side of the course server: local checks, submitting, and the account."""

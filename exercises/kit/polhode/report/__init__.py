@@ -1,0 +1,1 @@
+"""The report of a grading: as data, as text and HTML, and its pictures."""

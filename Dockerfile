@@ -19,7 +19,7 @@ COPY pyproject.toml README.md LICENSE ./
 COPY reference reference
 COPY exercises exercises
 COPY service service
-RUN /opt/uv/bin/uv pip install --python /opt/venv --offline --no-deps --no-build-isolation .
+RUN /opt/uv/bin/uv pip install --python /opt/venv --offline --no-deps --no-build-isolation ./exercises/kit .
 
 FROM ${BASE}
 LABEL org.opencontainers.image.title="polhode" org.opencontainers.image.licenses="MIT" \

@@ -20,13 +20,13 @@ help:  ## list the targets
 
 env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 
-.venv/runtime: requirements/runtime.lock pyproject.toml
+.venv/runtime: requirements/runtime.lock pyproject.toml exercises/kit/pyproject.toml
 	@echo "polhode: installing into .venv (first time: one or two minutes)"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(INSTALL) --require-hashes -r requirements/runtime.lock
-	@$(INSTALL) --no-deps --no-build-isolation -e .
+	@$(INSTALL) --no-deps --no-build-isolation -e exercises/kit -e .
 	@chmod -R o+rX exercises/kit service/sandbox/guest  # a sandbox that root starts reads them as another user
-	@rm -rf .venv/lib/python3*/site-packages/polhode .venv/lib/python3*/site-packages/service  # hatch's copies of editable packages
+	@rm -rf .venv/lib/python3*/site-packages/service  # hatch's copy of a file of an editable package
 	@touch $@
 
 .venv/tests: .venv/runtime requirements/test.lock
@@ -121,8 +121,8 @@ release-check: .venv/release  ## check the docs' pictures, build wheel and sdist
 
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)
-	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements/runtime.lock
-	uv export --quiet --format requirements.txt --all-groups --no-group docs --no-group release --all-extras --no-emit-project --no-header --output-file requirements/test.lock
+	uv export --quiet --format requirements.txt --group build --no-emit-local --no-header --output-file requirements/runtime.lock
+	uv export --quiet --format requirements.txt --all-groups --no-group docs --no-group release --all-extras --no-emit-local --no-header --output-file requirements/test.lock
 	echo uv | uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --output-file requirements/installer.lock -
 	for group in docs release; do uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
 		--constraint requirements/test.lock --group $$group --output-file requirements/$$group.lock; done

@@ -90,16 +90,10 @@ KIT = (
 )
 AUTHOR = "What `assignment.py` imports. [For course authors](../authors.md) explains it with examples."
 KIT_MODULES = (
-    "local",
-    "remote",
-    "past_submissions",
-    "identity",
-    "course",
-    "validate",
-    "checks",
-    "draw",
-    "animate",
-    "style",
+    *(f"client/{name}" for name in ("local", "remote", "past_submissions", "identity", "course")),
+    *(f"judging/{name}" for name in ("validate", "checks")),
+    "report/figure_parts",
+    "animation/animate",
 )
 AUTHOR_MODULES = (
     "author",

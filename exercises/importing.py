@@ -45,7 +45,7 @@ LONGEST = 40  # characters of an argument in a comment
 
 class Imported(NamedTuple):
     """The text of assignment.py, the number of validation calls taken over, each of the others as a sentence,
-    and the data ``files`` and modules that the cells read, by name.
+    and the data ``files`` that the cells read, by name.
     """
 
     slug: str
@@ -57,11 +57,10 @@ class Imported(NamedTuple):
     files: dict[str, bytes]
 
 
-def imported(path: Path, course: Path | None = None) -> Imported:
-    """Return the assignment of a published notebook; ``course`` is the folder of the course's own modules.
+def imported(path: Path, course: Path) -> Imported:
+    """Return the assignment of a published notebook; ``course`` is the folder for the course's own packages.
 
-    Raises InvalidNotebook if it has no validation call, SyntaxError if a module is not valid.
-    """
+    Raises InvalidNotebook if it has no validation call."""
     cells = read(path)
     title = _title(cells) or path.stem
     placed = list(placed_calls(cells, published_cells(cells, ())))

@@ -26,7 +26,7 @@ KERNEL = {
 }
 NOTE = """\
 **Install the course kit.** The next cell installs it from the course server; it is imported as `polhode`.
-The package of that name on the public index is unrelated: never type `pip install polhode`.
+`polhode.connect` then brings the checks of this assignment and its files.
 On the server your code can import only {{PACKAGES}}."""
 INSTALL = """%pip install -q {{{{KIT_URL}}}}
 import polhode

@@ -7,19 +7,16 @@ import math
 import re
 import traceback
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
-from polhode.client.data_files import MODULES
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.exercise import Exercise
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 # where an import of one of them, or of a neighbour, may be
 ABSENT = re.compile(rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\.")
-REPLACEABLE = ("draw",)  # modules of the kit that only notebooks use
 MOST_DATA = 5_000_000  # bytes of a data file
 
 
@@ -93,14 +90,6 @@ def _of_data(assignment: Assignment) -> Iterator[str]:
                 f"data file {name}: it must be a relative name such as pendulum.csv, without .. and not in"
                 " samples/"
             )
-        elif path.suffix == ".py" and path.parent.name == MODULES:
-            if not path.stem.isidentifier() or (
-                path.stem not in REPLACEABLE and find_spec(f"polhode.{path.stem}")
-            ):
-                yield (
-                    f"module {name}: it must have a Python name that no module of the kit has, except"
-                    f" {' and '.join(REPLACEABLE)}"
-                )
         elif path.suffix in (".py", ".ipynb", ".toml"):
             yield (
                 f"data file {name}: students get data files, so a {path.suffix} file, which may hold"

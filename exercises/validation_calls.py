@@ -1,4 +1,4 @@
-"""Calls of ``polhode.judging.validate`` in a code cell: their places, labels and tolerances,
+"""Calls of ``validate`` in a code cell: their places, labels and tolerances,
 read from the source alone.
 """
 
@@ -16,7 +16,7 @@ LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictCo
 
 
 class Call(NamedTuple):
-    """A call of ``polhode.judging.validate`` in a cell: its line and column, its kind, its label, its first
+    """A call of ``validate`` in a cell: its line and column, its kind, its label, its first
     two arguments, and whether it is inside a function, or repeated: inside a loop.
 
     The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false.

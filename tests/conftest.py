@@ -1,17 +1,14 @@
 """Fixtures that every test may use: a sandbox, an embedded database, a real server, the kit, a JupyterHub."""
 
-import io
 import re
 import shutil
 import sys
 import time
-import zipfile
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from exercises.catalogue import find
-from exercises.wheel import wheel
 from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
@@ -20,6 +17,7 @@ from service.store.schema import migrate
 from service.store.workers import LEASE_S
 from tests.support.database import connections_left, new_database, sql
 from tests.support.hub import Hub
+from tests.support.kit import installed
 from tests.support.server import Server
 
 # Files that take longest begin first, so that the short ones fill what is left where several processes share
@@ -219,11 +217,8 @@ def server(real_server):
 
 @pytest.fixture(scope="session")
 def kit(tmp_path_factory):
-    """The folder that holds the students' kit of rigid-body as its wheel installs it."""
-    folder = tmp_path_factory.mktemp("kit")
-    with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
-        archive.extractall(folder)
-    return folder
+    """The folder that holds the students' kit as its wheel installs it, beside its cache with rigid-body."""
+    return installed(tmp_path_factory.mktemp("kit"), "rigid-body")
 
 
 @pytest.fixture(scope="session")

@@ -1,11 +1,13 @@
-"""Downloads for students: the kit as a wheel, and the notebook with this server's address."""
+"""Downloads for students: the kit as a wheel, what it needs of an assignment, and the notebook with this
+server's address.
+"""
 
 import asyncio
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Request, Response
 
-from exercises import wheel
-from exercises.catalogue import assignments
+from exercises import public_side, wheel
+from polhode.client import build
 from service.api.submissions import Assigned
 from service.http.errors import Problem
 from service.http.openapi import media, problems
@@ -16,20 +18,34 @@ WHEEL, NOTEBOOK = "application/zip", "application/x-ipynb+json"
 
 
 @router.get("/kit/{name}", response_class=Response, responses=media(WHEEL) | problems({404: "not-found"}))
-async def kit(name: str, server: PublicAddress) -> Response:
-    """Return the student kit of an assignment as a wheel for ``%pip install``.
+async def kit(name: str) -> Response:
+    """Return the students' kit as a wheel for ``%pip install``.
 
     Its name changes only if old notebooks stop working with it.
     """
-    slugs = {wheel.filename(slug): slug for slug in assignments()}
-    if name not in slugs:
-        raise Problem(
-            404,
-            "not-found",
-            f"there is no kit {name}: GET /v1/assignments/SLUG returns the path of an assignment's kit",
-        )
-    content = await asyncio.to_thread(wheel.wheel, slugs[name], server)
-    headers = {"Cache-Control": "no-cache", "ETag": f'"{wheel.build(slugs[name])}"'}
+    if name != build.WHEEL:
+        raise Problem(404, "not-found", f"there is no kit {name}: it is /kit/{build.WHEEL}")
+    content = await asyncio.to_thread(wheel.wheel)
+    headers = {"Cache-Control": "no-cache", "ETag": f'"{build.build()}"'}
+    return Response(content, media_type=WHEEL, headers=headers)
+
+
+@router.get(
+    "/v1/assignments/{slug}/kit",
+    response_class=Response,
+    responses=media(WHEEL) | problems({404: "not-found", 503: "assignment-broken"}),
+)
+async def public(assignment: Assigned, request: Request) -> Response:
+    """Return what the kit needs of an assignment, as a zip: its public checks, data files and the course's
+    packages.
+
+    With ``If-None-Match`` the answer is 304 if they have not changed.
+    """
+    tag = f'"{await asyncio.to_thread(public_side.build, assignment.slug)}"'
+    headers = {"Cache-Control": "no-cache", "ETag": tag}
+    if request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers=headers)
+    content = await asyncio.to_thread(public_side.archive, assignment.slug)
     return Response(content, media_type=WHEEL, headers=headers)
 
 
@@ -41,6 +57,6 @@ async def kit(name: str, server: PublicAddress) -> Response:
 async def notebook(assignment: Assigned, server: PublicAddress) -> Response:
     """Return the assignment's notebook, ready to run against this server."""
     slug = assignment.slug
-    content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.filename(slug)}")
+    content = wheel.notebook(assignment, server, f"{server}/kit/{build.WHEEL}")
     headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
     return Response(content, media_type=NOTEBOOK, headers=headers)

@@ -12,10 +12,11 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
-from exercises import packages, wheel
+from exercises import packages
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from exercises.validation_cells import is_self_reported
+from polhode.client import build as kit
 from polhode.report.document import document
 from polhode.report.report import Report
 from service.api import answers, parse_submission
@@ -122,8 +123,8 @@ async def show_assignment(assignment: Assigned) -> answers.Described:
         title=assignment.title,
         version=assignment.version,
         exercises=sections,
-        kit=f"/kit/{wheel.filename(slug)}",
-        kit_build=await asyncio.to_thread(wheel.build, slug),
+        kit=f"/kit/{kit.WHEEL}",
+        kit_build=await asyncio.to_thread(kit.build),
         notebook=f"/v1/assignments/{slug}/notebook.ipynb",
         packages=packages.versions(assignment.packages),
     )

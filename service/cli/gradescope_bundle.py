@@ -1,5 +1,5 @@
-"""The command ``polhode export``: the autograder zip for Gradescope, with polhode as a wheel built from the
-running modules.
+"""The command ``polhode export``: the autograder zip for Gradescope, with polhode and its kit as wheels built
+from the running modules.
 
 The modules can come from a checkout or an installed wheel.
 """
@@ -11,13 +11,14 @@ from importlib import metadata
 from pathlib import Path
 
 import exercises
-import polhode
 import reference
 import service
-from exercises import zipfiles
+from exercises import course_packages, zipfiles
+from exercises import wheel as kit
 from exercises.assignment import Assignment
 from exercises.catalogue import DECLARATION
 from exercises.zipfiles import zipped
+from polhode.client.build import WHEEL
 from service.cli.arguments import add_exercise
 from service.cli.files import resolve_assignment
 from service.cli.output_dir import write
@@ -61,15 +62,16 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
     """
     own = metadata.distribution("polhode")
     info = f"polhode-{own.version}.dist-info"
-    homes = [
-        (Path(package.__path__[0]), package.__name__) for package in (polhode, exercises, reference, service)
-    ]
+    homes = [(Path(package.__path__[0]), package.__name__) for package in (exercises, reference, service)]
     homes += [(folder, f"exercises/{folder.name}") for folder in outside]
+    homes += [
+        (folder.parent / course_packages.FOLDER, f"exercises/{course_packages.FOLDER}") for folder in outside
+    ]
     files = {name: content for home, into in homes for name, content in _files(home, into)}
     files[f"service/cli/{HERE.name}/{LOCK}"] = lock()
     files |= {f"{info}/{name}": text.encode() for name in KEPT if (text := own.read_text(name)) is not None}
-    whole = zipfiles.Wheel(info, METADATA.format(version=own.version), dict(sorted(files.items())))
-    return f"polhode-{own.version}-py3-none-any.whl", whole.content()
+    about = METADATA.format(version=own.version)
+    return f"polhode-{own.version}-py3-none-any.whl", zipfiles.wheel(info, about, dict(sorted(files.items())))
 
 
 def lock() -> bytes:
@@ -111,4 +113,4 @@ def bundle(assignment: Assignment, numbers: Sequence[str] | None) -> bytes:
     }
     included = assignment.folder.is_relative_to(Path(exercises.__path__[0]))
     name, wheel = own_wheel(*([] if included else [assignment.folder]))
-    return zipped({**files, LOCK: lock(), name: wheel}, runnable=SCRIPTS)
+    return zipped({**files, LOCK: lock(), WHEEL: kit.wheel(), name: wheel}, runnable=SCRIPTS)

@@ -3,10 +3,11 @@ lines.
 """
 
 import argparse
+import shutil
 import sys
 from pathlib import Path
 
-from exercises import catalogue
+from exercises import catalogue, course_packages
 from exercises.assignment import InvalidAssignment
 from exercises.author_notebook import InvalidNotebook
 from exercises.importing import imported
@@ -30,10 +31,10 @@ def add_import_notebook(parser: argparse.ArgumentParser) -> None:
         help="where the assignments' folders go (default: the assignments')",
     )
     parser.add_argument(
-        "--modules",
+        "--package",
         type=Path,
         metavar="FOLDER",
-        help="the course's own modules, which its notebooks import from polhode",
+        help="the course's own package, which its notebooks import: it is copied to course/ beside them",
     )
     parser.set_defaults(run=_import)
 
@@ -45,10 +46,17 @@ def _import(arguments: argparse.Namespace) -> int:
     files = [file for path in arguments.notebooks for file in _notebooks(path)]
     if not files:
         raise CommandError("no .ipynb file found")
+    if arguments.package:
+        shutil.copytree(
+            arguments.package,
+            into / course_packages.FOLDER / arguments.package.resolve().name,
+            ignore=shutil.ignore_patterns("__pycache__", ".*"),
+            dirs_exist_ok=True,
+        )
     code = 0
     for file in files:
         try:
-            made = imported(file, arguments.modules)
+            made = imported(file, into / course_packages.FOLDER)
             files_of = {catalogue.DECLARATION: made.text.encode(), file.name: file.read_bytes(), **made.files}
             folder = created(made.slug, made.title, into, files_of)
             catalogue.register_folder(folder)

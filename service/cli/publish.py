@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from exercises import catalogue, wheel
+from polhode.client.build import WHEEL
 from service.cli.errors import CommandError
 from service.cli.output_dir import write
 from service.settings import Settings
@@ -35,5 +36,5 @@ def _publish(arguments: argparse.Namespace) -> None:
         raise CommandError(
             f"{file} would lie beside the author's notebook: choose another folder with --into"
         )
-    write(file, wheel.notebook(assignment, address, f"{address}/kit/{wheel.filename(assignment.slug)}"))
+    write(file, wheel.notebook(assignment, address, f"{address}/kit/{WHEEL}"))
     print(f"written to {file}")

@@ -8,9 +8,10 @@ the children. These are in memory, with a file system for the guest and for each
 
 import os
 import shutil
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from exercises import course_packages
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest.scratch import MIB, ROOM
 from service.sandbox.guest_files import (
@@ -48,12 +49,14 @@ def namespace_isolation(
     A zygote started as root keeps only the capabilities that it needs to change to an unprivileged user id.
     """
     binds = [*runtime(), *(SITE_PACKAGES / name for name in packages(more))]
-    stays_root = reason_to_stay_root([*binds, GUEST, KIT])
+    course = {f"{GUEST_HOME}/course/{k}": folder for k, folder in enumerate(course_packages.folders())}
+    stays_root = reason_to_stay_root([*binds, GUEST, KIT, *course.values()])
     user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     applied = [x for x in LAYERS if x in layers]
-    readable = [*map(str, binds), GUEST_CODE, *DEVICES, DATA]
+    readable = [*map(str, binds), GUEST_CODE, *course, *DEVICES, DATA]
     inside = zygote_command(
-        path=[GUEST_CODE, SITE_PACKAGES],
+        path=[GUEST_CODE, SITE_PACKAGES, *course],
+        course=[*course],
         user=user,
         layers=applied,
         readable=readable,
@@ -66,7 +69,7 @@ def namespace_isolation(
     around = (
         program,
         *_namespaces(),
-        *_files(binds),
+        *_files(binds, course),
         "--clearenv",
         *setting,
         "--remount-ro",
@@ -94,9 +97,10 @@ def _namespaces() -> list[str]:
     return [*args, "--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
 
 
-def _files(binds: list[Path]) -> list[str]:
-    """Return the mounts. The standard library is one of them, with OTHERS hidden: the time of bwrap grows
-    with their square.
+def _files(binds: list[Path], course: Mapping[str, Path]) -> list[str]:
+    """Return the mounts, those of the folders of the ``course`` by their place inside.
+
+    The standard library is one of them, with OTHERS hidden: the time of bwrap grows with their square.
     """
     hidden = [path for path in (STANDARD_LIBRARY / name for name in OTHERS) if path.is_dir()]
     linked = [
@@ -109,6 +113,7 @@ def _files(binds: list[Path]) -> list[str]:
         Path("/dev"),
         Path(GUEST_HOME),
         Path(GUEST_CODE),
+        *map(Path, course),
         Path(ROOMS[0]).parent,
     }
     args: list[str] = []
@@ -128,6 +133,7 @@ def _files(binds: list[Path]) -> list[str]:
     args += [part for one in hidden for part in ("--remount-ro", str(one))]
     args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(KIT), f"{GUEST_CODE}/polhode"]
     args += ["--ro-bind", DATA, GUEST_DATA]
+    args += [part for place, folder in course.items() for part in ("--ro-bind", str(folder), place)]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
     for room, size in {MATPLOTLIB: MIB, **dict.fromkeys(ROOMS, ROOM)}.items():

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from exercises import course_packages
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     BASE_PREFIX,
@@ -125,12 +126,14 @@ def process_isolation(
     """
     import matplotlib
 
-    path = [GUEST.parent, KIT.parent, SITE_PACKAGES]
+    course = course_packages.folders()
+    path = [GUEST.parent, KIT.parent, SITE_PACKAGES, *course]
     readable = [
         *runtime(),
         *(SITE_PACKAGES / name for name in packages(more)),
         GUEST,
         KIT,
+        *course,
         *map(Path, DEVICES),
     ]
     folders = [folder for folder in dict.fromkeys((*path, BASE_PREFIX)) if not _reachable(folder)]
@@ -140,6 +143,7 @@ def process_isolation(
     applied = [x for x in LAYERS if x in layers]
     inside = zygote_command(
         path=path,
+        course=course,
         user=user,
         layers=applied,
         readable=[*readable, DATA],

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from exercises import wheel
+from polhode.client.build import WHEEL
 
 pytestmark = pytest.mark.slow  # it starts a browser and downloads 6 MB
 PYODIDE = "pyodide@314.0.7"
@@ -125,7 +125,7 @@ def python(page, site, server, pyodide):
         assert "error" not in found, found["error"]
         return found["result"]
 
-    kit = f"{server.url}/kit/{wheel.filename('rigid-body')}"
+    kit = f"{server.url}/kit/{WHEEL}"
     ask("start", {"kit": kit, "packages": ["numpy", "scipy"] if pyodide[1] else []})
     if not pyodide[1]:
         ask("run", STAND_IN.read_text())

@@ -2,12 +2,9 @@
 solution.
 """
 
-import io
 import json
-import os
 import subprocess
 import sys
-import zipfile
 
 import nbformat
 import pytest
@@ -18,6 +15,7 @@ from exercises.publish import SUBMIT_NOTE, Section, plain, published
 from exercises.question import Question
 from tests.support.assignments import known
 from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, markdown, write
+from tests.support.kit import environment, installed
 from tests.support.toolbox import FOLDER
 
 
@@ -288,7 +286,7 @@ def test_the_students_notebook_runs_with_the_kit_before_and_after_it_is_filled_i
     folder = write(tmp_path, [cell for cell in CELLS if "assert" not in cell["source"]])
     with known(folder):
         text = students(folder)
-        zipfile.ZipFile(io.BytesIO(wheel.wheel("falling"))).extractall(tmp_path / "kit")
+        kit = installed(tmp_path, "falling")
     empty = {
         "".join(cell["source"]) for cell in json.loads(text)["cells"] if "    ..." in "".join(cell["source"])
     }
@@ -301,10 +299,14 @@ def test_the_students_notebook_runs_with_the_kit_before_and_after_it_is_filled_i
     for notebook, expected in ((json.loads(text), "unmeasured\nunmeasured\n"), (filled, "pass\npass\n")):
         file = tmp_path / "students.ipynb"
         file.write_text(json.dumps(notebook).replace("{{SERVER}}", "https://x.org"))
-        code = RUN.format(kit=str(tmp_path / "kit"), file=str(file))
-        clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        code = RUN.format(kit=str(kit), file=str(file))
         told = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, env=clean, check=False, cwd=tmp_path
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            env=environment(kit),
+            check=False,
+            cwd=tmp_path,
         )
         assert told.returncode == 0, told.stderr
         printed = [

@@ -22,7 +22,7 @@ from tests.support.course_shape import published, written
         ),
         ("validate.below(a, 1, label)", [("below", "{label}")]),
         (
-            'polhode.judging.validate.positive(a, "five"); validate.positive(b, "six")',
+            'ecp.validate.positive(a, "five"); validate.positive(b, "six")',
             [("positive", "five"), ("positive", "six")],
         ),
         ("%matplotlib inline\nvalidate.check(True, 'seven')", [("check", "seven")]),

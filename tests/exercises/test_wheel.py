@@ -1,87 +1,42 @@
-"""What the students' kit holds of an assignment: its public side, and nothing that is drawn for an attempt or
-solves it.
-"""
+"""The students' kit as a wheel, and the notebook that installs it."""
 
 import io
-import json
+import subprocess
+import sys
 import zipfile
+from importlib import metadata
 
-from exercises.wheel import wheel
-from tests.support.assignments import TEMPLATE, copied, known
-
-
-def test_a_kit_holds_one_assignment(tmp_path):
-    copied(tmp_path)
-    with known(tmp_path):
-        folders = {slug: _folders(wheel(slug)) for slug in ("rigid-body", "damped-oscillator")}
-    assert folders == {"rigid-body": {"rigid_body"}, "damped-oscillator": {"damped_oscillator"}}
+from exercises.wheel import notebook, wheel
+from polhode.client.build import WHEEL
+from tests.support.assignments import TEMPLATE, known
 
 
-def _folders(content):
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        return {
-            name.split("/")[2]
-            for name in archive.namelist()
-            if name.startswith("polhode/assignments/") and name.count("/") > 2
-        }
-
-
-def test_the_kit_requires_the_packages_of_its_assignment():
-    with known(TEMPLATE.parent / "symbolic"):
-        required = {slug: _required(wheel(slug)) for slug in ("rigid-body", "symbolic")}
-    common = ["numpy", "scipy", "matplotlib"]
-    assert required == {"rigid-body": common, "symbolic": [*common, "sympy"]}
-
-
-def _required(content):
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        (metadata,) = (name for name in archive.namelist() if name.endswith("/METADATA"))
-        lines = archive.read(metadata).decode().splitlines()
-    return [line.removeprefix("Requires-Dist: ") for line in lines if line.startswith("Requires-Dist: ")]
-
-
-def test_the_name_by_which_a_client_calls_the_server_makes_no_work(monkeypatch):
-    wheel("rigid-body", "http://a.example")
-    written = []
-    monkeypatch.setattr(
-        zipfile.ZipFile,
-        "writestr",
-        lambda archive, about, *rest, write=zipfile.ZipFile.writestr: (
-            written.append(about.filename) or write(archive, about, *rest)
-        ),
-    )
-    made = wheel("rigid-body", "http://b.example")
-    assert [name.split("/")[-1] for name in written] == ["made.json", "RECORD"]
-    with zipfile.ZipFile(io.BytesIO(made)) as archive:
-        assert archive.testzip() is None and len(archive.namelist()) == len({*archive.namelist()})
-        (record,) = (name for name in archive.namelist() if name.endswith("/RECORD"))
-        listed = [line.split(",")[0] for line in archive.read(record).decode().splitlines()]
-    assert sorted(listed) == sorted(archive.namelist())
-
-
-def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
-    with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
-        home = "polhode/assignments/rigid_body/"
-        held = {
-            name.removeprefix(home): archive.read(name)
-            for name in archive.namelist()
-            if name.startswith(home)
-        }
+def test_it_holds_the_kit_and_nothing_else():
+    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
         names = archive.namelist()
-    public = {path.name for path in (rigid_body.folder / "public").glob("*.py")}
-    assert held.keys() == public | {"made.json", "plays.py", "public.json", "truth.npz"}
-    assert not any(
-        "samples" in name or name.endswith(("hidden_checks.py", "truth.py", "scenes.py")) for name in names
-    )
+        about = archive.read("polhode_kit-1.dist-info/METADATA").decode()
+    assert {"polhode/__init__.py", "polhode/client/course.py"} <= set(names)
+    assert {name.partition("/")[0] for name in names} == {"polhode", "polhode_kit-1.dist-info"}
+    assert about == metadata.distribution("polhode-kit").read_text("METADATA")
+    required = {
+        line.removeprefix("Requires-Dist: ") for line in about.splitlines() if "Requires-Dist" in line
+    }
+    assert required == {"numpy", "scipy", "matplotlib"}
 
 
-def test_no_scene_that_is_drawn_for_an_attempt_is_in_the_kit(rigid_body):
-    with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
-        declared = json.loads(archive.read("polhode/assignments/rigid_body/public.json"))
-        with zipfile.ZipFile(io.BytesIO(archive.read("polhode/assignments/rigid_body/truth.npz"))) as exact:
-            solved = {name.partition("/")[0] for name in exact.namelist()}
-    fixed = {scene.name for scene in rigid_body.scenes if not callable(scene.inputs)}
-    before = {scene.after for scene in rigid_body.scenes if scene.name in fixed} - {None}
-    told = {scene["name"] for scene in declared["scenes"]}
-    assert solved and solved <= fixed | before, "only what everybody is asked has its exact answer"
-    assert told <= fixed | before and "drawn-long" not in told
+def test_it_is_the_same_each_time_and_pip_installs_it(tmp_path):
+    made = wheel()
+    wheel.cache_clear()
+    assert made == wheel()
+    (tmp_path / WHEEL).write_bytes(made)
+    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--target"]
+    done = subprocess.run([*command, tmp_path / "to", tmp_path / WHEEL], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    text = "".join(p.read_text() for p in (tmp_path / "to").rglob("*.py"))
+    assert "def check(" in text and "def euler_eqs" not in text
+
+
+def test_the_notebook_installs_the_packages_of_its_assignment():
+    with known(TEMPLATE.parent / "symbolic") as found:
+        text = notebook(found.valid["symbolic"], "https://x.org", f"https://x.org/kit/{WHEEL}").decode()
+    assert f"%pip install -q https://x.org/kit/{WHEEL} sympy" in text

@@ -31,7 +31,7 @@ NEEDED = (
     "service/pages/templates/account.html",
     "service/grading/measured/reference.json",
     "exercises/rigid_body/notebook.ipynb",
-    "polhode/__init__.py",
+    "exercises/rigid_body/course/ecp/validate.py",
 )
 PASSWORD = "${POSTGRES_PASSWORD:?set it in .env}"
 

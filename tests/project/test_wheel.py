@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from exercises.wheel import wheel as kit_wheel
 from service.cli.gradescope_bundle import bundle, own_wheel
 
 ROOT = Path(__file__).parents[2]
@@ -18,19 +19,21 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """The wheel by hatchling, unpacked."""
+    """The wheel by hatchling, unpacked, beside that of the kit."""
     folder = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder]
     subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
-    [built] = folder.glob("*.whl")
-    with zipfile.ZipFile(built) as archive:
-        archive.extractall(folder / "unpacked")
+    subprocess.run(build, cwd=ROOT / "exercises/kit", capture_output=True, check=True)
+    for name, into in (("polhode-*.whl", "unpacked"), ("polhode_kit-*.whl", "kit")):
+        [built] = folder.glob(name)
+        with zipfile.ZipFile(built) as archive:
+            archive.extractall(folder / into)
     return folder / "unpacked"
 
 
 def polhode(wheel, *arguments, cwd):
     """Only the wheel's own modules, not the checkout's."""
-    environment = os.environ | {"PYTHONPATH": str(wheel)}
+    environment = os.environ | {"PYTHONPATH": f"{wheel}:{wheel.parent / 'kit'}"}
     command = [sys.executable, "-m", "service.cli", *map(str, arguments)]
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
 
@@ -52,13 +55,15 @@ def test_it_holds_what_runs_and_no_sample(wheel, rigid_body):
     found = contents(wheel)
     assert {
         "exercises/rigid_body/notebook.ipynb",
-        "polhode/__init__.py",
+        "exercises/rigid_body/course/ecp/validate.py",
         "service/cli/gradescope_zip/setup.sh",
     } <= found.keys()
+    kit = contents(wheel.parent / "kit")
+    assert not found.keys() & kit.keys() and "polhode/__init__.py" in kit
     lock = (ROOT / "requirements/runtime.lock").read_bytes()
     assert found["service/cli/gradescope_zip/requirements.lock"] == lock
     solutions = {p.read_bytes() for p in (rigid_body.folder / "samples").iterdir() if p.is_file()}
-    assert len(solutions) > 100 and not solutions & set(found.values())
+    assert len(solutions) > 100 and not solutions & {*found.values(), *kit.values()}
 
 
 def test_the_one_made_of_what_runs_is_the_same(wheel):
@@ -89,6 +94,12 @@ def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_pat
     )
     assert told.returncode == 0 and "set the autograder points to 5" in told.stdout, told.stderr
     assert (tmp_path / "autograder.zip").read_bytes() == bundle(rigid_body, ["2"])
+
+
+def test_the_kit_that_the_server_serves_is_the_same(wheel):
+    served, built = read(kit_wheel()), contents(wheel.parent / "kit")
+    assert served.keys() == built.keys()
+    assert {name.rpartition("/")[2] for name in served if served[name] != built[name]} <= {"WHEEL", "RECORD"}
 
 
 def test_an_assignment_from_outside_comes_along_without_its_samples(rigid_body, tmp_path):

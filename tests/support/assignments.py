@@ -6,7 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from exercises import catalogue, wheel
+from exercises import catalogue, public_side
 from exercises.catalogue import load_catalogue
 
 TEMPLATE = Path(__file__).parents[1] / "assignments" / "damped_oscillator"
@@ -46,5 +46,11 @@ def known(*paths):
 
 
 def _forget_what_depends_on_it():
-    for cached in (load_catalogue, catalogue._load, wheel.build, wheel._wheel, wheel._content):
+    for cached in (
+        load_catalogue,
+        catalogue._load,
+        public_side.build,
+        public_side.archive,
+        public_side._content,
+    ):
         cached.cache_clear()

@@ -8,7 +8,7 @@ from pathlib import Path
 from tests.support.course_notebook import FILE
 
 HIDDEN = "# (solution hidden on the public site)\n"
-SETUP = "import numpy as np\n\nfrom polhode.judging import validate\n\n\ndef double(x):\n    return 2 * x\n"
+SETUP = "import numpy as np\n\nfrom ecp import validate\n\n\ndef double(x):\n    return 2 * x\n"
 SOLUTIONS = (
     "total = sum(range(5))\n",
     "powers = [2**n for n in range(4)]\n",

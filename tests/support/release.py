@@ -1,7 +1,7 @@
-"""Check a release: ``python -m tests.support.release`` examines the docs' pictures, builds wheel and sdist in
-dist/, and installs and uses the wheel.
+"""Check a release: ``python -m tests.support.release`` examines the docs' pictures, builds the wheels of the
+server and the kit and the server's sdist in dist/, and installs and uses the wheels.
 
-The wheel is installed with the hashed lock file into an empty environment of each given Python, outside the
+They are installed with the hashed lock file into an empty environment of each given Python, outside the
 clone: there it grades a file, and serves and grades the same over HTTP.
 """
 
@@ -20,6 +20,7 @@ import urllib.request
 import zipfile
 from pathlib import Path
 
+from polhode.client.build import WHEEL
 from service.cli.demo import free_port
 from tests.support.checkout import ROOT
 from tests.support.pictures import shown
@@ -83,6 +84,7 @@ def build(version: str) -> tuple[Path, Path]:
     """Build the sdist and, from it, the wheel; refuse a wheel that differs from that of the clone."""
     shutil.rmtree(DIST, ignore_errors=True)
     run(BIN / "python", "-m", "hatchling", "build", "-d", DIST)
+    run(BIN / "python", "-m", "hatchling", "build", "-t", "wheel", "-d", DIST, cwd=ROOT / "exercises/kit")
     wheel, sdist = DIST / f"polhode-{version}-py3-none-any.whl", DIST / f"polhode-{version}.tar.gz"
     with tempfile.TemporaryDirectory() as folder:
         run("tar", "-xzf", sdist, "-C", folder)  # tarfile has no filter before Python 3.11.4
@@ -112,9 +114,13 @@ def contents(wheel: Path) -> dict[str, bytes]:
 def examine(wheel: Path, sdist: Path) -> None:
     """Let twine and check-wheel-contents examine the files; refuse solutions and leftovers."""
     run(BIN / "twine", "check", "--strict", wheel, sdist)
+    run(BIN / "twine", "check", DIST / WHEEL)
     run(BIN / "check-wheel-contents", wheel)
-    if strays := [name for name in contents(wheel) if LEFT_OUT.search(name)]:
-        raise Refused(f"the wheel contains {', '.join(strays[:5])}")
+    run(BIN / "check-wheel-contents", "--toplevel", "polhode", DIST / WHEEL)
+    if strays := [n for built in (wheel, DIST / WHEEL) for n in contents(built) if LEFT_OUT.search(n)]:
+        raise Refused(f"a wheel contains {', '.join(strays[:5])}")
+    if both := contents(wheel).keys() & contents(DIST / WHEEL).keys():
+        raise Refused(f"both wheels contain {', '.join(sorted(both)[:5])}")
     with tarfile.open(sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()} - {"", "PKG-INFO"}
     if strays := sorted(inside - set(run("git", "ls-files").splitlines())):
@@ -138,7 +144,7 @@ def use(wheel: Path, python: str) -> None:
             "--disable-pip-version-check",
         ]
         run(*install, "--require-hashes", "-r", ROOT / "requirements/runtime.lock", env=environment)
-        run(*install, "--no-deps", wheel, env=environment)
+        run(*install, "--no-deps", DIST / WHEEL, wheel, env=environment)
         run(folder / "venv/bin/python", "-m", "pip", "check", env=environment)
         polhode = folder / "venv/bin/polhode"
         printed = run(polhode, "grade", SAMPLE, "--exercise", "2", "--json", env=environment, cwd=folder)

@@ -1,21 +1,18 @@
 """The assignment tests/assignments/toolbox: its right solutions, its mistakes, and its kit."""
 
-import io
-import os
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from exercises import wheel
 from exercises.assignment import Assignment
 from exercises.author import Notebook
 from exercises.catalogue import find
 from polhode.judging.judge import Verdict
 from polhode.kinds import question_checks
+from tests.support.kit import environment, installed
 
 FOLDER = Path(__file__).parents[1] / "assignments" / "toolbox"
 
@@ -42,9 +39,10 @@ def mistaken(toolbox, function, number):
 CHECK = """
 import json, sys
 sys.path.insert(0, {kit!r})
+import polhode
+polhode.connect(assignment={slug!r})
 {setup}
 {source}
-import polhode
 report = polhode.check(assignment={slug!r})
 print(json.dumps([{of} for outcome in report.outcomes()]))
 """
@@ -55,13 +53,10 @@ def check_locally(slug, source, folder, of="outcome.line"):
 
     ``of`` is an expression for each ``outcome`` of the ``report``.
     """
-    kit = folder / "kit"
-    zipfile.ZipFile(io.BytesIO(wheel.wheel(slug))).extractall(kit)
+    kit = installed(folder, slug)
     code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug, of=of)
-    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    return subprocess.run(
-        [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean
-    ).stdout
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, check=True, capture_output=True, text=True, env=environment(kit)).stdout
 
 
 def judged(question, solution, seed=1):

@@ -3,22 +3,20 @@ data files they read.
 """
 
 import dataclasses
-import io
 import json
 import os
 import shutil
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import pytest
 
 from exercises.validation import errors
-from exercises.wheel import wheel
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
+from tests.support.kit import environment, installed
 
 LAB = Path(__file__).parents[1] / "assignments" / "lab_course"
 MODEL = "def model(x):\n    return 2 * x\n"
@@ -47,22 +45,19 @@ def lab(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def home(lab, tmp_path_factory):
-    """A student's folder with the kit below site/."""
-    folder = tmp_path_factory.mktemp("student")
-    with zipfile.ZipFile(io.BytesIO(wheel("lab-course"))) as archive:
-        archive.extractall(folder / "site")
-    return folder
+    """A student's folder with the kit below kit/."""
+    return installed(tmp_path_factory.mktemp("student"), "lab-course").parent
 
 
 KERNEL = """
 import json, sys
-sys.path.insert(0, "site")
+sys.path.insert(0, "kit")
 import polhode
 polhode.connect(assignment="lab-course")
 reports = []
 for source in json.load(sys.stdin):
     names = {"polhode": polhode}
-    exec(open("site/Setup").read() + source, names)
+    exec(open("kit/Setup").read() + source, names)
     report = eval("polhode.check()", names)
     reports.append([repr(report), [e.number for e in report.exercises], report.summary()])
 print(json.dumps(reports))
@@ -70,10 +65,16 @@ print(json.dumps(reports))
 
 
 def checked(home, lab, *sources):
-    (home / "site" / "Setup").write_text(lab.setup)
+    (home / "kit" / "Setup").write_text(lab.setup)
     command = [sys.executable, "-P", "-W", "error", "-c", KERNEL]
     done = subprocess.run(
-        command, input=json.dumps(sources), capture_output=True, text=True, timeout=60, cwd=home, env={}
+        command,
+        input=json.dumps(sources),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=home,
+        env=environment(home / "kit"),
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
@@ -161,11 +162,16 @@ def test_no_data_file_is_left_for_the_next_submission(lab, rigid_body, either_sa
 
 
 def test_the_kit_leaves_a_data_file_of_the_students_as_it_is(home, lab, tmp_path):
-    (tmp_path / "site").symlink_to(home / "site")
+    (tmp_path / "kit").symlink_to(home / "kit")
     (tmp_path / "points.csv").write_text("7\n")
-    code = 'import sys; sys.path.insert(0, "site"); import polhode; polhode.connect(assignment="lab-course")'
+    code = 'import sys; sys.path.insert(0, "kit"); import polhode; polhode.connect(assignment="lab-course")'
     done = subprocess.run(
-        [sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path
+        [sys.executable, "-P", "-c", code],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=tmp_path,
+        env=environment(home / "kit"),
     )
     assert done.stdout.startswith(f"points.csv in {tmp_path} differs from the course's file")
     assert ((tmp_path / "points.csv").read_text(), (tmp_path / "runs" / "first.csv").read_text()) == (

@@ -2,21 +2,21 @@
 cells.
 """
 
-import io
+import contextlib
 import shutil
 import subprocess
 import sys
-import zipfile
 from dataclasses import replace
 
 import pytest
 
-from exercises import wheel
 from exercises.importing import imported
 from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose
 from tests.support.assignments import change, known
 from tests.support.course_notebook import FILE, LABELS
 from tests.support.course_shape import (
@@ -31,11 +31,12 @@ from tests.support.course_shape import (
     written,
 )
 from tests.support.isolation import BY_THE_HOST
+from tests.support.kit import environment, installed
 
 
 def imported_folder(folder, name, text):
     file = written(folder / "in", f"{name}.ipynb", text)
-    made = imported(file)
+    made = imported(file, folder / "course")
     home = folder / made.slug.replace("-", "_")
     written(home, file.name, text)
     written(home, "assignment.py", made.text)
@@ -122,7 +123,8 @@ PASSING = (
         (
             published(
                 (
-                    "total = 11\nimport polhode.judging.judge\npolhode.judging.judge.close = None\nvalidate = None\n",
+                    "total = 11\nimport polhode.judging.judge\n"
+                    "polhode.judging.judge.close = None\nvalidate = None\n",
                     *SOLUTIONS[1:],
                 )
             ),
@@ -291,18 +293,18 @@ def test_a_loop_makes_the_claims_that_it_makes_with_the_authors_solution(tmp_pat
         assert "the loop made 1 of the 4 checks that it makes with the right solution" in made.text()
 
 
-IMPORTS = 'from polhode.judging import validate\nvalidate.close(total, 10, "ten")\n'
+IMPORTS = 'from ecp import validate\nvalidate.close(total, 10, "ten")\n'
 PATCHES = (
     (
-        "import polhode.judging.validate as w\nold = w.close\n"
+        "import ecp.validate as w\nold = w.close\n"
         "w.close = lambda got, expected, *a, **k: old(expected, expected, *a, **k)\n"
     ),
     (
-        "import polhode, types\nv = polhode.judging.validate\n"
-        "polhode.judging.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
+        "import ecp, types\nv = ecp.validate\n"
+        "ecp.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n"
     ),
     "import sys\nsys._getframe = None\n",
-    "import sys\nsys.modules['polhode'] = None\n",
+    "import sys\nsys.modules['ecp'] = None\n",
 )
 
 
@@ -542,6 +544,8 @@ def test_verify_of_an_imported_notebook_names_no_line_as_untested(rings, capsys)
 
 
 COURSE = {
+    "__init__.py": "from . import draw, shapes, validate\n",
+    "validate.py": "import sys\n\nfrom polhode.judging import validate\n\nsys.modules[__name__] = validate\n",
     "shapes.py": (
         "import numpy as np\n\nfrom . import draw\nfrom .rounding import digits\n\n\n"
         "def side(area):\n    return digits(np.sqrt(area)), draw.PEN\n"
@@ -550,23 +554,23 @@ COURSE = {
     "draw.py": "PEN = 'blue'\n",
     "unused.py": "1 / 0\n",
 }
-IMPORTS_OWN = "from polhode import draw, shapes; from polhode.judging import validate\n"
+IMPORTS_OWN = "from lab import draw, shapes, validate\n"
 OWN_LINE = 'validate.check(shapes.side(total) == (3.162, "blue") == (3.162, draw.PEN), "a side of 3.162")\n'
 KERNEL = """
 import sys
 sys.path.insert(0, "kit")
 import polhode
 polhode.connect(assignment="own-modules")
-from polhode import draw, shapes
-assert shapes.side(10) == (3.162, "blue") and draw.PEN == polhode.draw.PEN == "blue"
+from lab import draw, shapes
+assert shapes.side(10) == (3.162, "blue") and draw.PEN == "blue"
 import os
-assert os.listdir() == ["kit"], os.listdir()
+assert sorted(os.listdir()) == ["cache", "kit"], os.listdir()
 """
 
 
-def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(tmp_path, sandbox, capsys):
+def test_a_notebook_imports_the_package_of_its_course_in_the_sandbox_and_with_the_kit(tmp_path, capsys):
     for name, source in COURSE.items():
-        written(tmp_path / "course", name, source)
+        written(tmp_path / "lab", name, source)
     cells = [
         ("code", "a", [], IMPORTS_OWN),
         ("code", "b", ["solution"], HIDDEN),
@@ -576,52 +580,27 @@ def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(
     into = tmp_path / "into"
     with known():
         assert main(["import-notebook", str(file), "--into", str(into)]) == 0
-    assert (
-        "the kit has no polhode.shapes: name the folder of the course's modules with --modules"
-        in capsys.readouterr().out
-    )
+    assert "lab is not installed on this machine" in capsys.readouterr().out
     shutil.rmtree(into)
     with known():
-        assert (
-            main(["import-notebook", str(file), "--into", str(into), "--modules", str(tmp_path / "course")])
-            == 0
-        )
-    assert "the kit has no" not in capsys.readouterr().out
-    modules = {path.name for path in (into / "own_modules" / "polhode").iterdir()}
-    assert modules == {"shapes.py", "rounding.py", "draw.py"}
-    with known(into) as found:
-        made = report(
-            found.valid["own-modules"],
-            sandbox,
-            notebook(cells[0], ("code", "b", ["solution"], "total = 10\n"), cells[2]),
-        )
-        zipfile.ZipFile(io.BytesIO(wheel.wheel("own-modules"))).extractall(tmp_path / "there" / "kit")
+        command = ["import-notebook", str(file), "--into", str(into), "--package", str(tmp_path / "lab")]
+        assert main(command) == 0
+    assert "not installed" not in capsys.readouterr().out
+    assert {path.name for path in (into / "course" / "lab").iterdir()} == COURSE.keys()
+    solved = notebook(cells[0], ("code", "b", ["solution"], "total = 10\n"), cells[2])
+    with known(into) as found, contextlib.closing(Sandbox(choose("namespaces"))) as own:
+        made = report(found.valid["own-modules"], own, solved)
+        kit = installed(tmp_path / "there", "own-modules")
     assert marks(made) == "p", made.text()
     done = subprocess.run(
-        [sys.executable, "-I", "-c", KERNEL],
-        cwd=tmp_path / "there",
+        [sys.executable, "-P", "-c", KERNEL],
+        cwd=kit.parent,
         capture_output=True,
         text=True,
         check=False,
+        env=environment(kit),
     )
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize(
-    ("name", "error"),
-    [("validate.py", "no module of the kit has, except draw"), ("my-own.py", "a Python name")],
-)
-def test_a_module_of_the_course_must_not_replace_one_that_judges(tmp_path, name, error):
-    home = imported_folder(tmp_path, "taken", published())
-    written(home / "polhode", name, "x = 1\n")
-    text = (
-        (home / "assignment.py")
-        .read_text()
-        .replace("    load_s=", f'    data=("polhode/{name}",),\n    load_s=')
-    )
-    (home / "assignment.py").write_text(text)
-    with known(home) as found:
-        assert error in str(found.invalid["taken"])
 
 
 def test_complex_numbers_are_compared(tmp_path, sandbox):

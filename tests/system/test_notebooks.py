@@ -40,7 +40,7 @@ LINE = re.compile(r"[✓✗–]  \S.*   \[.*\]")
 @pytest.fixture
 def play(kit, tmp_path, monkeypatch):
     """Execute cells in a fresh kernel that has the kit and nothing else of ours; the outputs of each cell."""
-    for name in ("HOME", "XDG_CONFIG_HOME", "IPYTHONDIR", "MPLCONFIGDIR"):
+    for name in ("HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "IPYTHONDIR", "MPLCONFIGDIR"):
         monkeypatch.setenv(name, str(tmp_path / name.lower()))
     monkeypatch.setenv("PYTHONPATH", str(kit))
     monkeypatch.setenv("PYTHONSAFEPATH", "1")
@@ -164,9 +164,10 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
 
 
 @pytest.mark.slow
-def test_the_courses_own_notebook_runs_in_a_kernel_and_prints_its_nine_lines(play):
+def test_the_courses_own_notebook_runs_in_a_kernel_and_prints_its_nine_lines(server, play):
     cells = course_notebook.code()
-    outputs = dict(zip(cells, play(*cells.values()), strict=True))
+    _, *played = play(connect(server), *cells.values())
+    outputs = dict(zip(cells, played, strict=True))
     lines = [line for id in cells if id.startswith("validation") for line in said(outputs[id]).splitlines()]
     assert [line.split("   ")[0] for line in lines] == [f"✓  {label}" for label in course_notebook.LABELS]
     assert all(shown(outputs[id]) == "True" for id in cells if id.startswith("validation"))

@@ -1,16 +1,11 @@
-"""The course notebook's kit: ✓/✗ lines, drawing, local checks, and submitting to the course server.
+"""The students' kit: local checks, submitting to the course server, and its report.
 
-The course server distributes it as ``polhode-kit-SLUG``, with the local checks of one assignment; it is
-imported as ``polhode``. The package named ``polhode`` on the public index is unrelated. It needs numpy and
+The course server distributes it as ``polhode-kit``; ``connect`` brings an assignment. It needs numpy and
 scipy, and imports matplotlib only to draw.
 """
 
 import importlib
 from typing import Any
-
-from polhode import draw
-from polhode.animation import animate
-from polhode.judging import validate
 
 KIT = "1"
 """The kit's generation. It changes only when a notebook written for an older kit no longer works with the
@@ -18,31 +13,16 @@ current server.
 """
 
 _HOME = {
-    "check": "local",
-    "connect": "course",
-    "submit": "remote",
-    "submissions": "past_submissions",
-    "login": "identity",
-    "logout": "identity",
-    "Report": "report",
-    "header": "style",
-    "footer": "style",
-    "use_style": "style",
+    "check": "client.local",
+    "connect": "client.course",
+    "submit": "client.remote",
+    "submissions": "client.past_submissions",
+    "login": "client.identity",
+    "logout": "client.identity",
+    "Report": "report.report",
 }
 
-__all__ = [
-    "Report",
-    "animate",
-    "check",
-    "connect",
-    "draw",
-    "footer",
-    "header",
-    "login",
-    "logout",
-    "submissions",
-]
-__all__ += ["submit", "use_style", "validate"]
+__all__ = ["Report", "check", "connect", "login", "logout", "submissions", "submit"]
 
 
 def __getattr__(name: str) -> Any:

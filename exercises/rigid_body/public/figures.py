@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.draw import FACE_COLORS, arrow, box_polys, cube_axes, legend_above
 from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Figure
+from polhode.report.figure_parts import FACE_COLORS, arrow, box_polys, cube_axes, legend_above
 
 from .quantities import (
     BODY,

@@ -38,4 +38,4 @@ def animate_precession(t, R, L):
 
     anim = FuncAnimation(fig, update, frames=len(t), interval=40, blit=True)
     plt.close(fig)
-    polhode.animation.animate.show(anim)
+    ecp.animate.show(anim)

@@ -15,4 +15,4 @@ def animate_precession(t, R, L):
 
     anim = FuncAnimation(fig, update, frames=len(t), interval=1000 * t[-1] / len(t))
     plt.close(fig)
-    polhode.animation.animate.show(anim)
+    ecp.animate.show(anim)

@@ -15,4 +15,4 @@ def animate_tumble(t, R, half):
 
     anim = FuncAnimation(fig, update, frames=len(t), interval=40)
     plt.close(fig)
-    polhode.animation.animate.show(anim)
+    ecp.animate.show(anim)

@@ -28,5 +28,5 @@ fi
 
 "$python" -m venv $venv
 $venv/bin/python -m pip install --quiet --require-hashes --requirement requirements.lock
-$venv/bin/python -m pip install --quiet --no-deps --force-reinstall ./polhode-*.whl
+$venv/bin/python -m pip install --quiet --no-deps --force-reinstall ./polhode_kit-*.whl ./polhode-*.whl
 $venv/bin/polhode doctor || echo "polhode: the machine that built this image cannot grade (see above); the machines that run it may still be able to." >&2

@@ -4,6 +4,7 @@ finds.
 
 import io
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -13,9 +14,10 @@ from pathlib import Path
 from threading import Timer
 from typing import Any
 
-from exercises import author_notebook, wheel
+from exercises import author_notebook, public_side, wheel
 from exercises.assignment import Assignment
 from exercises.mistakes import MadeSample
+from polhode.client import cache
 from polhode.notebook.cells import python_of, statements_of
 from polhode.report.report import Report
 
@@ -43,7 +45,9 @@ def notebook_differences(
         Path(folder, "errors").open("w+", encoding="utf-8") as errors,
     ):
         kit, job = Path(folder, "kit"), Path(folder, "job.json")
-        zipfile.ZipFile(io.BytesIO(wheel.wheel(assignment.slug))).extractall(kit)
+        zipfile.ZipFile(io.BytesIO(wheel.wheel())).extractall(kit)
+        home = Path(folder, "cache", "polhode", "assignments", assignment.folder.name)
+        cache.store(home, public_side.archive(assignment.slug), "")
         sent = [{"name": sample.name, "source": sample.source, "ask": list(sample.ask)} for sample in samples]
         run = {"statements": list(_statements(assignment)), "slug": assignment.slug, "samples": sent}
         job.write_text(json.dumps(run), encoding="utf-8")
@@ -53,7 +57,12 @@ def notebook_differences(
             target.write_bytes((assignment.folder / name).read_bytes())
         command = [sys.executable, "-I", str(PROGRAM), str(kit), str(job)]
         with subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=folder
+            command,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            cwd=folder,
+            env={**os.environ, "XDG_CACHE_HOME": str(Path(folder, "cache"))},
         ) as process:
             timer = Timer(TIME_S * len(samples), process.kill)
             timer.start()

@@ -1,17 +1,16 @@
-"""The calls of ``polhode.judging.validate`` in a notebook's cells, sent to the host as data while the cells
-run.
-"""
+"""The calls of the validation words in a notebook's cells, sent to the host as data while the cells run."""
 
+import importlib
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from types import FrameType
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType, ModuleType
 from typing import Any
 
 import numpy as np
 
-import polhode
 from polhode.judging import validate
 from polhode.judging.claims import Claim
 
@@ -25,6 +24,7 @@ MOST_CUT = 1000  # calls of published cells of which not every claim is sent
 MOST_NUMBERS = 1 << 16  # of one claim: 512 KiB
 MOST_IN_ALL = 1 << 20  # numbers of all claims: 8 MiB
 MOST_AXES = 8
+course = list[str]()  # folders with the course's own packages
 PRIVATE = ("polhode.judging.judge", "polhode.judging.claims", "polhode.judging.validate")
 _getframe = sys._getframe  # a submission can replace it
 
@@ -44,6 +44,7 @@ class Recorder:
         self.places = False  # whether claims are sent with their place in the cell's source
         with private_modules(PRIVATE) as copies:
             self.validate: Any = copies["polhode.judging.validate"]
+        self._names = dict[str, ModuleType]()  # of the words, and the package of each
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
 
     @contextmanager
@@ -59,18 +60,33 @@ class Recorder:
 
     @contextmanager
     def in_place(self, student: dict[str, Any]) -> Iterator[None]:
-        """Let a published cell that runs inside the ``with`` block find the private copy of
-        ``polhode.judging.validate``.
+        """Let a published cell that runs inside the ``with`` block find the private copy of the words, by the
+        names under which the course's packages have them.
         """
+        self._names |= {name: sys.modules[name.rpartition(".")[0]] for name in _names_of(validate)}
         theirs = student.get("validate", validate)
-        student["validate"] = polhode.judging.validate = self.validate
-        sys.modules |= {"polhode": polhode, "polhode.judging.validate": self.validate}
+        student["validate"] = self.validate
+        self._put(self.validate)
         try:
             yield
         finally:
-            polhode.judging.validate = sys.modules["polhode.judging.validate"] = validate
+            self._names |= {name: sys.modules[name.rpartition(".")[0]] for name in _names_of(self.validate)}
+            self._put(validate)
             if student.get("validate") is self.validate:
                 student["validate"] = theirs
+
+    def find_names(self) -> None:
+        """Find the words in the course's packages before a submission can replace them there."""
+        for place in (place for folder in course for place in sorted(Path(folder).glob("*/validate.py"))):
+            with suppress(Exception):  # the cell that imports it says what is wrong
+                importlib.import_module(f"{place.parent.name}.validate")
+        self._names |= {name: sys.modules[name.rpartition(".")[0]] for name in _names_of(validate)}
+
+    def _put(self, words: ModuleType) -> None:
+        for name, package in self._names.items():
+            parent, _, child = name.rpartition(".")
+            sys.modules |= {parent: package, name: words}
+            setattr(package, child, words)
 
     @property
     def left_out(self) -> int:
@@ -129,6 +145,11 @@ class Recorder:
         if self._numbers[self.places] + size > MOST_IN_ALL:
             return f"all checks together have more than {MOST_IN_ALL} numbers"
         return ""
+
+
+def _names_of(module: ModuleType) -> list[str]:
+    """Return the names by which a module can be imported."""
+    return [name for name, found in sys.modules.copy().items() if found is module and "." in name]
 
 
 def _place(cell: str) -> list[int]:

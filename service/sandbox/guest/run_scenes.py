@@ -7,14 +7,12 @@ import sys
 import types
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 import polhode
 from polhode.animation import animate
-from polhode.client.data_files import MODULES, use_modules
 from polhode.judging.author_errors import AuthorError, author_error, checked_arrays
 from polhode.judging.notes import Absent, noting
 from polhode.judging.return_value import is_written, missing
@@ -32,7 +30,6 @@ from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
 
 Names = dict[str, Any]
-OWN_MODULES = Path(MODULES).absolute()  # of an assignment, among its data files, where the zygote starts
 
 # Functions of the kit that do nothing here: a notebook that checks and submits itself must not do so while it
 # is graded.
@@ -110,6 +107,8 @@ def _run(
 ) -> None:
     student = module.__dict__
     recorder = Recorder()
+    if any(published for _, _, published in job["cells"]):
+        recorder.find_names()
     cells = Cells(job, module, write, reference.functions if reference else {})
     try:
         with recorder.recording():
@@ -265,11 +264,10 @@ def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], 
 
 
 def prepare(setup: types.CodeType) -> types.ModuleType:
-    """Return the main module of a notebook after its Setup cell, with the assignment's own modules.
+    """Return the main module of a notebook after its Setup cell.
 
     What belongs to a screen or a server does nothing in it.
     """
-    use_modules(OWN_MODULES)
     for name in NOTEBOOK_ONLY:
         setattr(polhode, name, NOTHING)
     module = types.ModuleType("__main__")

@@ -34,7 +34,6 @@ NO_ROOM = (
     f" each of at most {MOST_FILE // MIB} MiB: write less"
 )
 USER = "student"
-MODULES = "polhode"  # the folder among data files that polhode.client.data_files imports modules from
 
 
 class Scratch:
@@ -47,13 +46,11 @@ class Scratch:
         self._reserve = 0
 
     def fill(self, data: str) -> None:
-        """Put the files below the folder ``data`` there, without the modules of the assignment,
-        which are imported from ``data``.
-        """
+        """Put the files below the folder ``data`` there."""
         copied = 0
         for file in sorted(Path(data).rglob("*")):
             name = file.relative_to(data)
-            if name.parts[0] == MODULES or not file.is_file():
+            if not file.is_file():
                 continue
             target, size = Path(self.path, name), file.stat().st_size
             target.parent.mkdir(parents=True, exist_ok=True)

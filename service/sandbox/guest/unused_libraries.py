@@ -16,8 +16,7 @@ from pathlib import Path
 from types import ModuleType, WrapperDescriptorType
 from typing import Any, NoReturn
 
-from polhode.judging.author_errors import KIT
-
+from .claims import course
 from .wire import FILES
 from .zygote import NEEDED
 
@@ -74,8 +73,8 @@ _NAMES = {
 
 
 class _Settings:
-    """``rcParams``. Ignores the choice of a backend, and what the assignment's Setup and the kit's style set,
-    which is valid: nothing is drawn.
+    """``rcParams``. Ignores the choice of a backend, and what the assignment's Setup and the course's package
+    set, which is valid: nothing is drawn.
     """
 
     def __setitem__(self, name: str, value: object) -> None:
@@ -86,7 +85,8 @@ class _Settings:
         self._ignore()
 
     def _ignore(self) -> None:
-        if sys._getframe(2).f_code.co_filename not in (FILES["setup"], str(KIT / "style.py")):
+        file = sys._getframe(2).f_code.co_filename
+        if file != FILES["setup"] and not file.startswith(tuple(f"{folder}/" for folder in course)):
             _needs("matplotlib")()
 
     def __getattr__(self, name: str) -> Any:

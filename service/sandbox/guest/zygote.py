@@ -75,12 +75,13 @@ def main(
     listable: list[str],
     folders: list[str],
     scratch: list[str],
+    course: list[str],
 ) -> None:
     """Import the libraries and obey the control socket. With LATER as ``when``, leave out those in MODULES
     until one is needed.
 
-    The scratch folders of children are made in the first folder of ``scratch``, and those of each copy in
-    another one if there are enough.
+    ``course`` are the folders with the course's own packages. The scratch folders of children are made in the
+    first folder of ``scratch``, and those of each copy in another one if there are enough.
     """
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
@@ -89,6 +90,7 @@ def main(
     gc.disable()  # a collection of so many objects takes 20 ms and finds little
     for name in WARM:
         importlib.import_module(name)
+    sys.modules["guest.claims"].course[:] = course
     if when == LATER:
         importlib.import_module("guest.unused_libraries").install()
     else:

@@ -9,10 +9,10 @@ import sympy
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 from matplotlib.figure import Figure
 
-from polhode import draw
 from polhode.animation import animate, animation_recording
 from polhode.judging import validate
 from polhode.judging.return_value import WrongAnswer, real_array
+from polhode.report import figure_parts as draw
 
 mpl.use("Agg")
 
@@ -136,37 +136,6 @@ def test_box_polys_are_the_faces_of_the_turned_box_in_the_course_order():
     assert faces[0].tolist() == (half * [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)]).tolist()
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     np.testing.assert_allclose(draw.box_polys(turn, half), np.array(faces) @ turn.T)
-
-
-def test_header_style_and_footer_print_nothing_outside_a_notebook(capsys):
-    from polhode import footer, header, use_style
-
-    with mpl.rc_context():
-        assert use_style() is None
-        assert mpl.rcParams["axes.spines.top"] is False
-    given = {
-        "volume": "II",
-        "number": 2.6,
-        "title": "A <b>",
-        "blurb": "…",
-        "difficulty": "advanced",
-        "estimate": "90 min",
-    }
-    assert header(**given) is None and footer() is None
-    assert capsys.readouterr() == ("", "")
-
-
-def test_the_header_displays_its_texts_escaped(monkeypatch):
-    from polhode import style
-
-    shown = []
-    monkeypatch.setattr(style, "_display", shown.append)
-    style.header(volume="II", number="2.6", title="Tops & <script>", difficulty="advanced")
-    assert (
-        "II · Notebook 2.6" in shown[0]
-        and "Tops &amp; &lt;script&gt;" in shown[0]
-        and "Level: advanced" in shown[0]
-    )
 
 
 def _moving(frames, **options):

@@ -10,6 +10,7 @@ import zipfile
 import pytest
 
 from exercises.catalogue import find
+from polhode.client.build import WHEEL
 from service.cli.gradescope_bundle import bundle, own_wheel
 from tests.support.containers import Container
 
@@ -97,7 +98,7 @@ def test_the_zip_holds_programs_that_install_by_hashes_and_run_the_harness_on_th
         archive.extractall(tmp_path)
         modes = {about.filename: about.external_attr >> 16 for about in archive.infolist()}
     assert {name for name, mode in modes.items() if mode & 0o111} == {"setup.sh", "run_autograder"}
-    assert modes.keys() == {"setup.sh", "run_autograder", "requirements.lock", own_wheel()[0]}
+    assert modes.keys() == {"setup.sh", "run_autograder", "requirements.lock", WHEEL, own_wheel()[0]}
     assert subprocess.run(["bash", "-n", tmp_path / "setup.sh"], check=False).returncode == 0
     assert (
         "install --quiet --require-hashes --requirement requirements.lock"

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from exercises import wheel
+from polhode.client.build import WHEEL
 from service.cli.__main__ import main
 from tests.support.assignments import known
 from tests.support.author_notebooks import write
@@ -16,9 +17,7 @@ def test_the_file_is_the_notebook_that_a_server_of_that_address_serves(tmp_path,
     with known(FOLDER) as found:
         assert main(["publish", "toolbox", "--into", str(file.parent), "--server", "https://x.org/"]) == 0
         assert capsys.readouterr().out == f"written to {file}\n"
-        served = wheel.notebook(
-            found.valid["toolbox"], "https://x.org", f"https://x.org/kit/{wheel.filename('toolbox')}"
-        )
+        served = wheel.notebook(found.valid["toolbox"], "https://x.org", f"https://x.org/kit/{WHEEL}")
         assert file.read_bytes() == served and "{{" not in file.read_text()
         monkeypatch.setenv("POLHODE_PUBLIC_URL", "https://y.org")
         assert main(["publish", "toolbox", "--into", str(file.parent)]) == 0

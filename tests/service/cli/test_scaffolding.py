@@ -1,6 +1,5 @@
 """polhode new-assignment: the file it makes works everywhere, and it makes all or nothing."""
 
-import io
 import json
 import os
 import re
@@ -9,13 +8,11 @@ import shutil
 import subprocess
 import sys
 import urllib.request
-import zipfile
 from pathlib import Path
 
 import nbformat
 import pytest
 
-from exercises import wheel
 from service.cli.__main__ import _parse, main
 from service.cli.scaffolding import TEMPLATE, CannotScaffold, scaffold
 from service.grading.grade import grade
@@ -25,6 +22,7 @@ from tests.support import command_line
 from tests.support.asgi import visit
 from tests.support.assignments import copied, known
 from tests.support.http_client import Browser
+from tests.support.kit import environment, installed
 from tests.support.limits import largest_file
 
 ROOT = Path(__file__).parents[3]
@@ -176,15 +174,14 @@ print(repr(report))
 @pytest.fixture
 def kits_home(course):
     """The folder beside which a kit lies that was made while the assignment is known."""
-    with zipfile.ZipFile(io.BytesIO(wheel.wheel("driven-pendulum"))) as archive:
-        archive.extractall(course.parent / "kit")
-    return course.parent
+    return installed(course.parent, "driven-pendulum").parent
 
 
 @pytest.mark.slow
 def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_home, polhode):
-    home = kits_home / "kit" / "polhode" / "assignments" / "driven_pendulum"
+    home = kits_home / "cache" / "polhode" / "assignments" / "driven_pendulum"
     assert {p.name for p in home.iterdir()} == {
+        "course",
         "made.json",
         "plays.py",
         "public.json",
@@ -199,7 +196,7 @@ def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_
         capture_output=True,
         text=True,
         check=False,
-        env=os.environ | {"PYTHONPATH": ""},
+        env=environment(kits_home / "kit"),
     )
     assert here.returncode == 0, here.stderr
     served = polhode("grade", file, "--assignment", "driven-pendulum").stdout.splitlines()

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from exercises import wheel
+from polhode.client.build import WHEEL
 from polhode.report.report import Picture
 from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES
@@ -36,7 +36,7 @@ GET = [
     ("/v1/assignments/{slug}/notebook.ipynb", "/v1/assignments/none/notebook.ipynb", 404, {}),
     ("/v1/assignments/{slug}/submissions", f"{SLUG}/submissions", 200, {}),
     ("/v1/assignments/{slug}/submissions", f"{SLUG}/submissions", 401, {"Authorization": "Bearer polhode_x"}),
-    ("/kit/{name}", f"/kit/{wheel.filename('rigid-body')}", 200, {}),
+    ("/kit/{name}", f"/kit/{WHEEL}", 200, {}),
     ("/kit/{name}", "/kit/none", 404, {}),
     ("/v1/me", "/v1/me", 200, {}),
     ("/v1/me", "/v1/me", 401, {"Authorization": "Bearer none"}),

@@ -95,11 +95,11 @@ KIT = [
         ("tests/exercises/kit/polhode/client/test_http.py::test_a_redirect_to_another_host_is_not_followed",),
     ),
     Breakage(
-        "the kit's wheel holds every module of an assignment, with its solutions",
-        "exercises/wheel.py",
+        "what students get holds every module of an assignment, with its solutions",
+        "exercises/public_side.py",
         '(assignment.folder / "public").glob("*.py")',
         'assignment.folder.rglob("*.py")',
-        ("tests/exercises/test_wheel.py",),
+        ("tests/exercises/test_public_side.py",),
     ),
     Breakage(
         "the students' notebook keeps a solution that is not a definition",
@@ -156,11 +156,11 @@ KIT = [
         ("tests/system/test_answers.py",),
     ),
     Breakage(
-        "the kit's wheel holds the drawn scenes and their truth",
-        "exercises/wheel.py",
+        "what students get holds the drawn scenes and their truth",
+        "exercises/public_side.py",
         "scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]",
         "scenes = [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in"
         " used]",
-        ("tests/exercises/test_wheel.py",),
+        ("tests/exercises/test_public_side.py",),
     ),
 ]

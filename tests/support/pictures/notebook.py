@@ -13,7 +13,7 @@ from pathlib import Path
 
 from playwright.sync_api import Browser
 
-from exercises import wheel
+from polhode.client.build import WHEEL
 from service.cli.demo import free_port
 from tests.support.pictures.browser import open_page, save
 
@@ -66,7 +66,7 @@ def draw(browser: Browser, address: str, folder: Path, file: Path) -> Path:
 
 
 def _notebook(address: str) -> dict[str, object]:
-    kit = wheel.filename("rigid-body")
+    kit = WHEEL
     cells = [
         {
             "id": f"cell-{number}",
@@ -91,6 +91,7 @@ def _jupyterlab(folder: Path) -> Iterator[str]:
         settings.write_text(json.dumps(values), encoding="utf-8")
     (kit := folder / "kit").mkdir()
     own = {"PIP_TARGET": str(kit), "PYTHONPATH": str(kit), "PIP_NO_DEPS": "1", "PIP_CONFIG_FILE": os.devnull}
+    own |= {"XDG_CACHE_HOME": str(folder / "cache")}
     own |= {"PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_ROOT_USER_ACTION": "ignore"}
     own |= {f"JUPYTER_{name}_DIR": str(folder / name.lower()) for name in ("CONFIG", "DATA", "RUNTIME")}
     own |= {"JUPYTERLAB_SETTINGS_DIR": str(folder / "settings"), "IPYTHONDIR": str(folder / "ipython")}

@@ -7,7 +7,11 @@ from pathlib import Path
 
 from tests.support.checkout import ROOT
 
-KIT = ("exercises/kit/polhode/report/report_html.py", "exercises/kit/polhode/report/report_style.py")
+KIT = (
+    "exercises/kit/polhode/report/report_html.py",
+    "exercises/kit/polhode/report/report_style.py",
+    "exercises/rigid_body/course/ecp/style.py",
+)
 PAGES = ("service/pages/templates/*", "service/pages/static/*", *KIT)  # a page's lines are the kit's
 OF_KIT = ("docs/notebook.png",)
 

@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any
 
-from polhode.client import course
+from polhode.client.build import WHEEL, build
 from polhode.client.errors import RequestError
 from polhode.client.http import call
 from polhode.client.past_submissions import own
@@ -45,17 +45,14 @@ def local_time(text: str) -> str:
 
 
 def outdated(server: str, slug: str) -> str:
-    """Return a remark if the server now distributes another kit, whose public checks may differ; else ""."""
-    if (own := course.build(slug)) is None:
-        return ""
+    """Return a remark if the server now distributes another kit, which may judge differently; else ""."""
     try:
         current = call("GET", f"{server}/v1/assignments/{slug}", patience=PATIENCE_S).json()
     except RequestError:
         return ""
-    if current.get("kit_build") == own:
+    if current.get("kit_build") == build():
         return ""
-    address = f"{server}{current.get('kit')}"
     return (
-        f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {address}, then"
-        " restart the kernel."
+        f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {server}/kit/{WHEEL},"
+        " then restart the kernel."
     )

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 from urllib.parse import urljoin
 
+from polhode import KIT
 from polhode.client.errors import (
     Answer,
     HTTPError,
@@ -28,7 +29,7 @@ from polhode.client.sse import Event, parse_events
 
 __all__ = ["Answer", "Event", "HTTPError", "RequestError", "Unreachable", "call", "events"]
 
-AGENT = f"polhode-kit/1 python/{sys.version_info.major}.{sys.version_info.minor}"
+AGENT = f"polhode-kit/{KIT} python/{sys.version_info.major}.{sys.version_info.minor}"
 REDIRECTS, MOST_REDIRECTS = (301, 302, 303, 307, 308), 5
 CONTACT_S = 15.0  # patience with a server that has not answered yet
 FINAL = ("graded", "faulted")

@@ -1,26 +1,17 @@
-"""The identity a notebook submits with: a token stored outside the notebook, issued after confirming a code
-in the browser.
-"""
+"""Logging in: a token, issued after confirming a code in the browser."""
 
 import json
-import os
 import platform
-import tempfile
 import time
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from polhode.client import course
-from polhode.client.errors import NotebookError
+from polhode.client.health import health
 from polhode.client.http import CONTACT_S, HTTPError, Unreachable, call
 from polhode.client.progress import Line
+from polhode.client.tokens import NotLoggedIn, authorization, store, tokens
 
 JSON = {"Content-Type": "application/json"}
-
-
-class NotLoggedIn(NotebookError):
-    """The login was not completed; the message gives the reason."""
 
 
 def login(server: str | None = None) -> None:
@@ -45,8 +36,6 @@ def login(server: str | None = None) -> None:
             if who["local"]
             else f"Logged in as {who['person']}."
         )
-    from polhode.client.health import health  # which needs this module
-
     try:
         slug = course.assignment()
     except course.UnknownCourse:
@@ -56,7 +45,7 @@ def login(server: str | None = None) -> None:
 
 def _log_in(where: str) -> None:
     """Show a code and wait until the student has confirmed it. Raises NotLoggedIn."""
-    _store(where, None)  # fails before the student confirms, not after, if the file cannot be written
+    store(where, None)  # fails before the student confirms, not after, if the file cannot be written
     label = f"Python on {platform.node() or 'a computer'}"
     request = call("POST", f"{where}/v1/logins", body=_body(label=label), headers=JSON).json()
     line, until = Line(), time.monotonic() + request["expires_in"]
@@ -67,7 +56,7 @@ def _log_in(where: str) -> None:
             "POST", f"{where}/v1/logins/token", body=_body(device_code=request["device_code"]), headers=JSON
         )
         if answer.status == 200:
-            _store(where, answer.json()["token"])
+            store(where, answer.json()["token"])
             line.end(f"Logged in as {answer.json()['person']}.")
             return
     raise NotLoggedIn("The code was not confirmed in time: run polhode.login() again.")
@@ -76,10 +65,10 @@ def _log_in(where: str) -> None:
 def logout(server: str | None = None) -> None:
     """Delete the token that ``login`` stored, on this computer and on the server."""
     where = course.server(server)
-    if (token := _tokens().get(where)) is None:
+    if (token := tokens().get(where)) is None:
         print("This computer is not logged in.")
         return
-    _store(where, None)
+    store(where, None)
     try:
         call(
             "DELETE", f"{where}/v1/me/token", headers={"Authorization": f"Bearer {token}"}, patience=CONTACT_S
@@ -88,22 +77,6 @@ def logout(server: str | None = None) -> None:
         if refused.status != 401:  # 401: the token was already invalid
             raise
     print("Logged out.")
-
-
-def authorization(server: str) -> Mapping[str, str]:
-    """Return the Authorization header for ``server``, or an empty mapping if there is no token for it.
-
-    The token is the one ``login`` stored, else POLHODE_TOKEN, else JUPYTERHUB_API_TOKEN. If POLHODE_SERVER is
-    set, the last two are sent to that server only. JUPYTERHUB_API_TOKEN, which other servers accept too, is
-    sent only if POLHODE_SERVER is set.
-    """
-    named = os.environ.get("POLHODE_SERVER", "").rstrip("/")
-    token = _tokens().get(server)
-    if token is None and named in ("", server):
-        token = os.environ.get("POLHODE_TOKEN")
-    if token is None and named == server:
-        token = os.environ.get("JUPYTERHUB_API_TOKEN")
-    return {"Authorization": f"Bearer {token}"} if token else {}
 
 
 def _whoami(server: str) -> dict[str, Any] | None:
@@ -120,33 +93,3 @@ def _whoami(server: str) -> dict[str, Any] | None:
 
 def _body(**fields: str) -> bytes:
     return json.dumps(fields).encode()
-
-
-def _file() -> Path:
-    home = os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA")
-    return (Path(home) if home else Path.home() / ".config") / "polhode" / "tokens.json"
-
-
-def _tokens() -> dict[str, str]:
-    try:
-        found = json.loads(_file().read_bytes())
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
-
-
-def _store(server: str, token: str | None) -> None:
-    """Store the token for ``server``, or delete it if None. Only the file's owner can read it."""
-    kept = {name: value for name, value in _tokens().items() if name != server} | (
-        {server: token} if token else {}
-    )
-    folder = _file().parent
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        handle, unfinished = tempfile.mkstemp(dir=folder)  # readable by its owner only
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            json.dump(kept, stream)
-        os.replace(unfinished, _file())
-    except OSError as error:
-        remedy = "set XDG_CONFIG_HOME to a folder you can write to, and run polhode.login() again."
-        raise NotLoggedIn(f"The token cannot be stored in {folder} ({error.strerror}): {remedy}") from None

@@ -2,6 +2,7 @@
 does.
 """
 
+import functools
 import inspect
 import os
 import platform
@@ -10,7 +11,6 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from polhode.animation import animate
-from polhode.client import course
-from polhode.client.course import PublicAssignment, PublicScene, UnknownCourse
+from polhode.client import cache, course
+from polhode.client.course import UnknownCourse
+from polhode.client.public_assignment import PublicAssignment, PublicScene, public
 from polhode.judging.author_errors import (
     LIBRARIES,
     SOURCES,
@@ -51,7 +52,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     exercise the assignment does not have, and AuthorError if the assignment's own code fails.
     """
     names = sys._getframe(1).f_globals
-    known = course.public(course.assignment(assignment))
+    known = public(course.assignment(assignment))
     asked, variables = {f for e in known.exercises for f in e.function_names()}, known.variables()
     written = {name for name in asked if is_written(names.get(name), name in variables)}
     chosen = _chosen(known, [str(number) for number in numbers], written)
@@ -87,7 +88,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     ]
     arrays = played.arrays
     report.figures, report.animations = pictures(chosen, arrays)
-    report.drawn = cache(lambda name: _draw(chosen, known, arrays, name))
+    report.drawn = functools.cache(lambda name: _draw(chosen, known, arrays, name))
     more = sum(known.hidden.get(e.number, 0) for e in chosen)
     remark = (
         f"Checked locally. The server makes {more} more checks, with new random inputs for each submission."
@@ -296,5 +297,7 @@ def _own(filename: str) -> bool:
     """Return whether a frame of a traceback is the student's code, not the kit's or a library's."""
     path = Path(filename)
     return not (
-        filename in SOURCES or {KIT, STANDARD_LIBRARY} & set(path.parents) or LIBRARIES & set(path.parts)
+        filename in SOURCES
+        or {KIT, STANDARD_LIBRARY, cache.folder()} & set(path.parents)
+        or LIBRARIES & set(path.parts)
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 from polhode.client import course
 from polhode.client.http import CONTACT_S, call
-from polhode.client.identity import authorization
+from polhode.client.tokens import authorization
 from polhode.report.report import out_of
 from polhode.report.report_style import fragment
 

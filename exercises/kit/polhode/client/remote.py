@@ -8,12 +8,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from polhode.client import course
+from polhode.client import course, public_assignment
 from polhode.client.errors import NotebookError
 from polhode.client.health import local_time, outdated
 from polhode.client.http import CONTACT_S, Event, RequestError, call, events
-from polhode.client.identity import JSON, authorization
+from polhode.client.identity import JSON
 from polhode.client.progress import Line
+from polhode.client.tokens import authorization
 from polhode.judging.return_value import is_empty
 from polhode.notebook.gather import Bundle, CannotSend, gather, whole_notebook
 from polhode.notebook.outputs import is_notebook, strip_outputs
@@ -93,7 +94,7 @@ def submit(
 
 def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
     if file is None:
-        wanted = course.functions(slug)
+        wanted = public_assignment.functions(slug)
         sent = gather(*functions) if functions else whole_notebook()
         if wanted and not wanted & set(sent.names):
             known = f"the functions of {slug} ({', '.join(sorted(wanted))})"

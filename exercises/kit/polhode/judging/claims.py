@@ -1,4 +1,4 @@
-"""A call of ``polhode.judging.validate`` as data, and its judgement: the notebook prints it, and a server can
+"""A call of ``validate`` as data, and its judgement: the notebook prints it, and a server can
 judge the same numbers again.
 """
 

@@ -1,6 +1,6 @@
 """The judgements behind the check words: numbers and an explicit tolerance in, a verdict and its text out.
 
-The notebook (``polhode.judging.validate``) and the server use these same functions, so both print the same
+The notebook (``validate``) and the server use these same functions, so both print the same
 line. NaN, infinity and a wrong shape never pass.
 """
 

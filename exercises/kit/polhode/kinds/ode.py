@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.draw import legend_above
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Figure
@@ -34,6 +33,7 @@ from polhode.kinds.asking import (
     stacked,
 )
 from polhode.kinds.values import checks, play  # noqa: F401
+from polhode.report.figure_parts import legend_above
 
 RTOL, TIMES = 1e-11, 201
 

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.draw import legend_above
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check, close
 from polhode.judging.exercise import Figure
@@ -23,6 +22,7 @@ from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
 from polhode.kinds.asking import Counted, arguments, call, flat, part_figure, restart, returned, split
 from polhode.kinds.values import checks, play  # noqa: F401
+from polhode.report.figure_parts import legend_above
 
 Array = NDArray[np.float64]
 FIRST, HALVINGS = 4, 6

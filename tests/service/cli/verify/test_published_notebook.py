@@ -80,7 +80,7 @@ SETUP, SOLUTION = "%matplotlib inline\nimport numpy as np", "def double(x):\n   
 
 
 def test_right_and_wrong_solutions_get_the_verdicts_of_the_server(doubling):
-    found = doubling(SETUP, SOLUTION, "assert double(2) in (4, 6)", "assert polhode.judging.validate")
+    found = doubling(SETUP, SOLUTION, "assert double(2) in (4, 6)", "assert polhode.check")
     assert found == {"right_all.py": [], "wrong_1_1_constant_factor.py": []}
 
 

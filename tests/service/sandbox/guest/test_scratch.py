@@ -1,6 +1,5 @@
 """The scratch folder of a child: what works in it, what it may hold, and that nothing of it is left."""
 
-import json
 import os
 import select
 import signal
@@ -12,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from exercises.assignment import ArraySpec
-from polhode.client.data_files import MODULES
 from polhode.judging.outcome import Ended
 from service.sandbox.guest import scratch, zygote
 from service.sandbox.guest.scratch import MIB, NO_ROOM, Scratch, remove
@@ -186,8 +184,8 @@ def test_copies_play_in_folders_of_their_own(either_sandbox):
 
 @pytest.fixture
 def data(tmp_path):
-    """Data files by their names: two small ones, some that are too large together, and a module."""
-    files = {"points.csv": b"1,2\n3,4\n", "runs/first.csv": b"5\n", f"{MODULES}/own_kit.py": b"value = 7\n"}
+    """Data files by their names: two small ones, and some that are too large together."""
+    files = {"points.csv": b"1,2\n3,4\n", "runs/first.csv": b"5\n"}
     files |= {f"zz{number}.bin": bytes(3 * MIB) for number in range(4)}
     for name, content in files.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -197,16 +195,16 @@ def data(tmp_path):
 
 def test_data_files_can_be_read_and_overwritten_for_this_child_only(either_sandbox, data):
     source = (
-        "import os\nfrom polhode import own_kit\n"
+        "import os\n"
         "total = np.loadtxt('points.csv', delimiter=',').sum()\n"
         "size = sum(len(open(f'zz{k}.bin', 'rb').read()) for k in range(4)) >> 20\n"
-        "print(total, open('runs/first.csv').read().strip(), own_kit.value, size, sorted(os.listdir()))\n"
+        "print(total, open('runs/first.csv').read().strip(), size, sorted(os.listdir()))\n"
         "np.savetxt('points.csv', [[9]])\nos.remove('runs/first.csv')\nos.rmdir('runs')\n"
         "open('zz0.bin', 'w').write('other')\nos.remove('zz3.bin')\nopen('zz3.bin', 'w').write('mine')"
     )
     told = [played(either_sandbox, source, data=data) for _ in range(2)]
     assert told[0].stdout == told[1].stdout and not told[0].cells
-    assert told[0].stdout.startswith("10.0 5 7 12 ['points.csv', 'runs', 'zz0.bin'")
+    assert told[0].stdout.startswith("10.0 5 12 ['points.csv', 'runs', 'zz0.bin'")
     (end,) = played(either_sandbox, "open('zz3.bin', 'w')", data=data).cells.values()
     assert end.ended is Ended.RAISED, "a large one is not copied"
     assert played(either_sandbox, "import os\nprint(os.listdir())").stdout == "[]\n"
@@ -323,10 +321,6 @@ def test_a_disk_that_becomes_full_ends_the_zygote_and_the_play_fails_for_the_mac
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
         os.close(handle)
-
-
-def test_names_are_those_of_the_kit():
-    assert scratch.MODULES == MODULES and json.dumps(NO_ROOM)
 
 
 def _until(found, seconds=5.0):

@@ -17,7 +17,7 @@ from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 SETUP = """
 import matplotlib.pyplot as plt
-from polhode.style import use_style
+from ecp.style import use_style
 
 plt.rcParams["animation.html"] = "jshtml"
 use_style()

@@ -1,46 +1,44 @@
-"""Kits in a student's environment: one needs no slug, a second one does not break the first."""
+"""The server and the assignment of a notebook: what ``connect`` brings, and what is used without a server."""
 
-import io
 import json
 import subprocess
 import sys
-import zipfile
 
 import pytest
 
-from exercises.wheel import filename, wheel
+import polhode
+from exercises import public_side
+from polhode.client import cache, course
 from tests.support.assignments import copied, known
+from tests.support.fake_server import Scripted, says
+from tests.support.kit import environment, installed
 
 SERVER = "http://course.example"
 RIGHT = "def oscillator(t, y, omega, gamma):\n    x, v = y\n    return [v, -(omega**2) * x - 2 * gamma * v]\n"
 ZEROS = "def euler_eqs(t, w, I):\n    return 0 * w\n"
-
-
-@pytest.fixture(scope="module")
-def wheels(tmp_path_factory):
-    """The kits of two assignments."""
-    folder = tmp_path_factory.mktemp("course")
-    copied(folder)
-    with known(folder):
-        return {slug: wheel(slug, SERVER) for slug in ("rigid-body", "damped-oscillator")}
+SLUGS = ("rigid-body", "damped-oscillator")
 
 
 @pytest.fixture
-def installed(wheels, tmp_path):
-    def install(*slugs):
-        for slug in slugs:
-            with zipfile.ZipFile(io.BytesIO(wheels[slug])) as archive:
-                archive.extractall(tmp_path)
-        return tmp_path
+def student(tmp_path):
+    """A function that puts assignments into the cache of a student with the kit, and returns the kit's
+    folder.
+    """
 
+    def install(*slugs, server=SERVER):
+        with known(tmp_path / "course"):
+            return installed(tmp_path, *slugs, server=server)
+
+    (tmp_path / "course").mkdir()
+    copied(tmp_path / "course")
     return install
 
 
-def kernel(folder, *lines):
-    """Return what each of ``lines``, run in one kernel with the kits in ``folder``, evaluates to as text."""
+def kernel(kit, *lines):
+    """Return what each of ``lines``, run in one kernel with the kit, evaluates to as text."""
     code = f"""
 import json, sys
-sys.path.insert(0, {str(folder)!r})
+sys.path.insert(0, {str(kit)!r})
 import polhode.client.course
 names, values = {{"polhode": polhode}}, []
 exec({RIGHT + ZEROS!r}, names)
@@ -52,15 +50,20 @@ for line in {lines!r}:
 print(json.dumps(values))
 """
     done = subprocess.run(
-        [sys.executable, "-P", "-c", code], capture_output=True, text=True, timeout=60, cwd=folder, env={}
+        [sys.executable, "-P", "-c", code],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=kit.parent,
+        env=environment(kit),
     )
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return json.loads(done.stdout.splitlines()[-1])
 
 
-def test_with_one_kit_neither_server_nor_assignment_has_to_be_named(installed):
+def test_with_one_assignment_neither_server_nor_assignment_has_to_be_named(student):
     report, server, slug = kernel(
-        installed("damped-oscillator"),
+        student("damped-oscillator"),
         "polhode.check()",
         "polhode.client.course.server()",
         "polhode.client.course.assignment()",
@@ -68,70 +71,71 @@ def test_with_one_kit_neither_server_nor_assignment_has_to_be_named(installed):
     assert report.endswith("2 of 2 public checks ✓\n") and (server, slug) == (SERVER, "damped-oscillator")
 
 
-@pytest.mark.slow
-def test_a_second_kit_leaves_the_first_as_it_was(installed):
+def test_a_second_assignment_leaves_the_first_as_it_was(student):
     checks = (
         'polhode.check("1", assignment="damped-oscillator")',
         'polhode.check("2", assignment="rigid-body")',
     )
-    alone = kernel(installed("damped-oscillator"), checks[0])
-    both = kernel(installed("rigid-body"), *checks, "polhode.check()", "polhode.client.course.server()")
-    assert both[0] == alone[0] and "✗" in both[1] and "Exercise 2." in both[1]
-    assert (
-        both[2].startswith("No assignment is set (kits of damped-oscillator, rigid-body are installed)")
-        and both[3] == SERVER
-    )
+    both = kernel(student(*SLUGS), *checks, "polhode.check()", "polhode.client.course.server()")
+    assert "2 of 2 public checks ✓" in both[0] and "✗" in both[1] and "Exercise 2." in both[1]
+    assert both[2].startswith("No assignment is set (damped-oscillator, rigid-body are on this computer)")
+    assert both[3] == SERVER
 
 
-def test_the_message_without_an_assignments_kit_has_its_address(installed):
-    (sentence,) = kernel(installed("damped-oscillator"), 'polhode.check(assignment="rigid-body")')
-    assert "the kit of rigid-body is not installed, only that of damped-oscillator" in sentence
-    assert (
-        f"%pip install --force-reinstall --no-deps {SERVER}/kit/{filename('rigid-body')} and restart the"
-        " kernel" in sentence
-    )
+def test_the_message_without_an_assignment_says_what_to_call(student):
+    (sentence,) = kernel(student("damped-oscillator"), 'polhode.check(assignment="rigid-body")')
+    assert sentence.startswith("the checks of rigid-body are not on this computer (only damped-oscillator)")
+    assert 'polhode.connect("https://…", assignment="rigid-body")' in sentence
 
 
-def test_a_kit_that_does_not_fit_the_one_installed_last_says_so(installed):
-    folder = installed("damped-oscillator", "rigid-body")
-    (folder / "polhode" / "assignments" / "damped_oscillator" / "__init__.py").write_text(
-        "from polhode.judging.checks import earlier\n"
-    )
+def test_checks_that_do_not_fit_the_kit_say_so(student):
+    kit = student(*SLUGS)
+    home = kit.parent / "cache" / "polhode" / "assignments" / "damped_oscillator"
+    (home / "__init__.py").write_text("from polhode.judging.checks import earlier\n")
     broken, other = kernel(
-        folder, 'polhode.check(assignment="damped-oscillator")', 'polhode.check("2", assignment="rigid-body")'
+        kit, 'polhode.check(assignment="damped-oscillator")', 'polhode.check("2", assignment="rigid-body")'
     )
-    assert (
-        "the kit of damped-oscillator does not fit the installed version of polhode (ImportError: cannot"
-        " import name" in broken
-    )
-    assert f"{SERVER}/kit/{filename('damped-oscillator')}" in broken and "✗" in other
+    assert "do not fit the installed version of polhode-kit (ImportError: cannot import name" in broken
+    assert f"{SERVER}/kit/polhode_kit-1-py3-none-any.whl" in broken and "✗" in other
 
 
-@pytest.mark.slow
-def test_pip_installs_both_kits_in_one_environment(wheels, tmp_path):
-    subprocess.run(
-        [sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", tmp_path / "venv"],
-        check=True,
-    )
-    for slug in ("damped-oscillator", "rigid-body"):
-        (tmp_path / filename(slug)).write_bytes(wheels[slug])
-        pip = [
-            sys.executable,
-            "-m",
-            "pip",
-            "--python",
-            tmp_path / "venv",
-            "install",
-            "--force-reinstall",
-            "--no-deps",
-            "--no-index",
-        ]
-        done = subprocess.run([*pip, tmp_path / filename(slug)], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-    (packages,) = (tmp_path / "venv").glob("lib/*/site-packages")
-    reports = kernel(
-        packages,
-        'polhode.check("1", assignment="damped-oscillator")',
-        'polhode.check("2", assignment="rigid-body")',
-    )
-    assert "2 of 2 public checks ✓" in reports[0] and "Exercise 2." in reports[1]
+def test_the_courses_package_comes_after_an_installed_one_and_only_of_the_assignment_connected(student):
+    kit = student("rigid-body", server="")
+    own = kit / "ecp" / "__init__.py"
+    where = '__import__("ecp").__file__'
+    connect = 'polhode.connect(assignment="rigid-body")'
+    assert kernel(kit, connect, where)[1].endswith("/assignments/rigid_body/course/ecp/__init__.py")
+    own.parent.mkdir()
+    own.write_text("")
+    assert kernel(kit, connect, where)[1] == str(own)
+
+
+@pytest.fixture
+def server(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(course, "_connected", [course.Course()])
+    monkeypatch.setattr(cache, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    started = Scripted()
+    yield started
+    started.stop()
+
+
+def test_connect_brings_an_assignment_and_asks_for_it_only_if_it_has_changed(server, capsys):
+    sent = says(200, public_side.archive("rigid-body"), "application/zip")
+    server.script += [sent, says(304, b"", "application/zip")]
+    for _ in range(2):
+        polhode.connect(server.url, assignment="rigid-body")
+    first, again = server.seen
+    assert first.path == "/v1/assignments/rigid-body/kit" and "if-none-match" not in first.headers
+    assert again.headers["if-none-match"] == f'"{public_side.build("rigid-body")}"'
+    assert cache.made("rigid-body") == {"build": public_side.build("rigid-body"), "server": server.url}
+    assert sys.path[-1] == str(cache.home("rigid-body") / "course") and capsys.readouterr().out == ""
+
+
+def test_without_the_server_what_came_earlier_is_used(server, capsys):
+    cache.store(cache.home("rigid-body"), public_side.archive("rigid-body"), "http://polhode.invalid")
+    polhode.connect("http://polhode.invalid", assignment="rigid-body")
+    assert "the checks and files that came earlier are used" in capsys.readouterr().out
+    assert sys.path[-1] == str(cache.home("rigid-body") / "course")

@@ -3,7 +3,8 @@
 import pytest
 
 import polhode
-from polhode.client import course, health
+from polhode.client import cache, course, health
+from polhode.client.build import WHEEL, build
 from tests.support.fake_server import Scripted, problem, says
 
 RULES = {
@@ -13,12 +14,14 @@ RULES = {
     "submission_limit": 10,
     "used": 3,
 }
+KIT = says(304, b"", "application/zip")
 READY = says(200, {"status": "ready"})
 ME = says(200, {"person": "ann", "local": False})
 
 
 @pytest.fixture
-def server(monkeypatch):
+def server(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(health, "PATIENCE_S", 0.1)
     monkeypatch.setattr(course, "_connected", [course.Course()])
     monkeypatch.setenv("TZ", "UTC")
@@ -28,14 +31,16 @@ def server(monkeypatch):
 
 
 def printed(server, capsys, *answers, assignment="rigid-body"):
-    server.script += answers
+    server.script += [KIT] * bool(assignment) + [*answers]
     polhode.connect(server.url, assignment=assignment)
+    del server.seen[: bool(assignment)]
+    del server.script[: bool(assignment)]
     polhode.login()
     return capsys.readouterr().out.replace(server.url, "SERVER")
 
 
 def test_it_states_the_server_the_deadline_and_the_submissions(server, capsys):
-    assert printed(server, capsys, ME, READY, says(200, RULES), says(200, {})) == (
+    assert printed(server, capsys, ME, READY, says(200, RULES), says(200, {"kit_build": build()})) == (
         "Logged in as ann.\nSERVER is ready. Deadline: 2026-03-01 12:00 UTC. Submissions used: 3 of 10.\n"
     )
     assert [request.path for request in server.seen][:3] == [
@@ -43,6 +48,11 @@ def test_it_states_the_server_the_deadline_and_the_submissions(server, capsys):
         "/readyz",
         "/v1/assignments/rigid-body/submissions",
     ]
+
+
+def test_another_kit_on_the_server_is_said(server, capsys):
+    text = printed(server, capsys, ME, READY, says(200, RULES), says(200, {"kit_build": "other"}))
+    assert f"--no-deps SERVER/kit/{WHEEL}, then restart the kernel." in text
 
 
 @pytest.mark.parametrize(
@@ -66,6 +76,7 @@ def test_what_fails_is_said_and_does_not_stop_the_notebook(server, capsys):
 
 def test_without_the_server_the_local_checks_remain(server, capsys, monkeypatch):
     monkeypatch.setattr("polhode.client.identity.CONTACT_S", 0.1)
+    monkeypatch.setattr(cache, "PATIENCE_S", 0.1)
     polhode.connect("http://polhode.invalid", assignment="rigid-body")
     polhode.login()
     text = capsys.readouterr().out
@@ -73,5 +84,5 @@ def test_without_the_server_the_local_checks_remain(server, capsys, monkeypatch)
 
 
 def test_without_an_assignment_it_is_about_the_server(server, capsys, monkeypatch):
-    monkeypatch.setattr(course, "slugs", list)
+    monkeypatch.setattr(cache, "slugs", list)
     assert printed(server, capsys, ME, READY, assignment=None) == "Logged in as ann.\nSERVER is ready.\n"

@@ -2,7 +2,7 @@
 
 import pytest
 
-import polhode.draw
+import polhode.report.figure_parts
 from polhode.judging.author_errors import author_error
 from polhode.kinds.asking import call
 
@@ -10,7 +10,7 @@ QUESTION = {"function": "f", "parameters": ["x"], "call": None, "variables": []}
 
 
 def raised(student, text=None):
-    names = {"draw": polhode.draw}
+    names = {"draw": polhode.report.figure_parts}
     exec(compile(student, "answer.py", "exec"), names)
     with pytest.raises(Exception) as caught:
         call(QUESTION | {"call": text}, names, {"x": 1.0})

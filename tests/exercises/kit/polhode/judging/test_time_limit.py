@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from polhode.client import local
-from polhode.client.course import PublicAssignment, PublicScene
+from polhode.client.public_assignment import PublicAssignment, PublicScene
 from polhode.judging.time_limit import OutOfTime, limited
 
 

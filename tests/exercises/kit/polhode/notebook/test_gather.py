@@ -579,17 +579,27 @@ def test_a_file_of_the_students_own(notebook, tmp_path, monkeypatch):
 
 def test_what_belongs_to_the_kit_is_imported(notebook):
     notebook.run(
-        "import polhode\nfrom polhode import draw as d\nfrom polhode.animation.animate import show\n"
-        "from polhode.draw import FACE_COLORS"
+        "import polhode\nfrom polhode.report import figure_parts as d\n"
+        "from polhode.animation.animate import show\nfrom polhode.report.figure_parts import FACE_COLORS"
     )
     notebook.run("def f():\n    return polhode, d, show, FACE_COLORS")
     assert notebook.gather("f").source.startswith(
-        "from polhode import draw as d\nfrom polhode.animation.animate import show\n"
-        "from polhode.draw import FACE_COLORS\nimport polhode\n"
+        "from polhode.animation.animate import show\nfrom polhode.report import figure_parts as d\n"
+        "from polhode.report.figure_parts import FACE_COLORS\nimport polhode\n"
     )
     notebook.shell.user_ns.update(show2=notebook["show"])
     notebook.run("def f():\n    return show2")
     assert notebook.gather("f").source.startswith("from polhode.animation.animate import show as show2\n")
+
+
+def test_the_courses_package_in_the_cache_is_no_file_of_the_student(notebook, monkeypatch, tmp_path):
+    folder = tmp_path / "polhode" / "assignments" / "tops" / "course"
+    (folder / "optics").mkdir(parents=True)
+    (folder / "optics" / "__init__.py").write_text("index = 1.5\n")
+    monkeypatch.syspath_prepend(folder)
+    notebook.run("import optics", "def f(x):\n    return optics.index * x")
+    bundle = notebook.gather("f")
+    assert bundle.source.startswith("import optics\n") and not bundle.left_out
 
 
 def test_given_names_are_not_missed(notebook):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from polhode.draw import box_polys
 from polhode.kinds.animation.body import Body, body_shown
+from polhode.report.figure_parts import box_polys
 from tests.support.recordings import (
     ALL,
     BOX,

@@ -1,4 +1,4 @@
-"""The notebook's drawing helpers: undistorted 3-D axes, arrows, and a box in any attitude.
+"""Parts of figures: undistorted 3-D axes, arrows, a box in any attitude, and a legend above the axes.
 
 Lengths are in the units of the axes. ``R`` (3, 3) is an attitude body → space, ``half`` (3,) are the box's
 half edges.

@@ -55,8 +55,8 @@ SANDBOX = [
     Breakage(
         "a submission may list the scratch folder",
         "service/sandbox/bubblewrap.py",
-        "[*map(str, binds), GUEST_CODE, *DEVICES, DATA]",
-        "[*map(str, binds), GUEST_HOME, *DEVICES, DATA]",
+        "[*map(str, binds), GUEST_CODE, *course, *DEVICES, DATA]",
+        "[*map(str, binds), GUEST_HOME, *course, *DEVICES, DATA]",
         (
             "tests/service/sandbox/test_sandbox.py::test_the_folders_around_its_own_can_be_neither_listed_nor_read",
         ),

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from exercises.catalogue import find
-from exercises.mutation import variants
+from exercises.authoring.assignments.catalogue import find
+from exercises.authoring.mutants.mutation import variants
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.draws import DRAWN

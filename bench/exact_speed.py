@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from reference import Exact, box_moments, motion
 
 ROOT = Path(__file__).parents[1]

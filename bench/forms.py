@@ -7,7 +7,7 @@ import argparse
 import statistics
 import time
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from service.grading.grader import Grader
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox

@@ -10,7 +10,7 @@ import os
 import statistics
 import time
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from service.grading.grader import Grader
 from service.grading.rendering import pack
 from service.grading.submission import Submission

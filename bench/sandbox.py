@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from exercises.assignment import ArraySpec
-from exercises.catalogue import find
+from exercises.authoring.assignments.assignment import ArraySpec
+from exercises.authoring.assignments.catalogue import find
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.submission import Submission
 from service.sandbox import session

@@ -26,7 +26,7 @@ from pathlib import Path
 import psycopg
 
 from bench.stand_ins import SOURCE, be_workers, record
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.cli.demo import free_port
 from service.grading.submission import Submission
 from service.store.database import Database

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.grader import SweepFailed

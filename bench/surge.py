@@ -34,7 +34,7 @@ import psycopg
 
 from bench.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from bench.stand_ins import be_workers, record
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from service.cli.demo import free_port
 from service.store.postgres.server import running_url
 

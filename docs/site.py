@@ -14,7 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from exercises.catalogue import load_catalogue
+from exercises.authoring.assignments.catalogue import load_catalogue
 from service.app import create_app
 from service.cli.__main__ import COMMANDS
 from service.settings import Settings
@@ -75,7 +75,9 @@ def reference_pages() -> dict[str, str]:
         "diagnoses": diagnoses(),
         "physics": modules("The package `reference`", PHYSICS, ROOT / "reference"),
         "kit": modules("The students' kit `polhode`", KIT, ROOT / "exercises/kit/polhode", KIT_MODULES),
-        "author": modules("The package `exercises.author`", AUTHOR, ROOT / "exercises", AUTHOR_MODULES),
+        "author": modules(
+            "The package `exercises.authoring.questions.author`", AUTHOR, ROOT / "exercises", AUTHOR_MODULES
+        ),
     }
 
 

@@ -1,3 +1,1 @@
-"""Assignments: modules here are the declaration and its tools; each folder is one assignment and is found by
-its name.
-"""
+"""Assignments, a folder each, and in ``authoring`` what they are declared with and what follows from that."""

@@ -11,7 +11,7 @@ from fastapi.middleware.cors import CORSMiddleware
 from fastapi.middleware.gzip import GZipMiddleware
 from fastapi.staticfiles import StaticFiles
 
-from exercises.catalogue import load_catalogue
+from exercises.authoring.assignments.catalogue import load_catalogue
 from service.api import (
     events,
     exports,

@@ -4,7 +4,7 @@ They use the submission's ``integrate_body``, ``T_rot`` and ``L_body``, as the n
 and the limit of polhode's checks.
 """
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 
 _EXERCISE = find("rigid-body")
 _MOTION = _EXERCISE.scene("torque-free").inputs

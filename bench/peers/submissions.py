@@ -9,7 +9,7 @@ from itertools import cycle
 from pathlib import Path
 
 from bench.forms import FORMS
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 
 FOLDER = find("rigid-body").folder
 SAMPLES = {

@@ -1,1 +1,45 @@
-"""What an author writes an assignment with."""
+"""What an author writes an ``assignment.py`` with: see docs/authors.md."""
+
+from exercises.authoring.ask import Ask
+from exercises.authoring.draws import (
+    angle,
+    array_of,
+    between,
+    expression,
+    integer,
+    normal,
+    one_of,
+    with_ends,
+)
+from exercises.authoring.kinds.expression import symbol
+from exercises.authoring.kinds.random import generator, seed
+from exercises.authoring.kinds.stepper import euler, heun, midpoint, rk4, tableau
+from exercises.authoring.notebook import Notebook
+from exercises.authoring.questions.declared import Value
+from exercises.authoring.tolerances import absolute, at_most, close, relative
+
+__all__ = [
+    "Ask",
+    "Notebook",
+    "Value",
+    "absolute",
+    "angle",
+    "array_of",
+    "at_most",
+    "between",
+    "close",
+    "euler",
+    "expression",
+    "generator",
+    "heun",
+    "integer",
+    "midpoint",
+    "normal",
+    "one_of",
+    "relative",
+    "rk4",
+    "seed",
+    "symbol",
+    "tableau",
+    "with_ends",
+]

@@ -7,16 +7,16 @@ from typing import Any
 from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.draws import JointDraw, between
+from exercises.authoring.kinds.animation import animation
+from exercises.authoring.kinds.expression import expression
+from exercises.authoring.kinds.fit import fit
+from exercises.authoring.kinds.ode import ode
+from exercises.authoring.kinds.random import estimate, samples
+from exercises.authoring.kinds.stepper import stepper
+from exercises.authoring.kinds.values import values
+from exercises.authoring.questions.declared import Value
+from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NoSolution, NotebookSolution, Solutions
-from exercises.declared import Value
-from exercises.kinds.animation import animation
-from exercises.kinds.expression import expression
-from exercises.kinds.fit import fit
-from exercises.kinds.ode import ode
-from exercises.kinds.random import estimate, samples
-from exercises.kinds.stepper import stepper
-from exercises.kinds.values import values
-from exercises.question import Question
 from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
@@ -182,7 +182,7 @@ class Ask:
         """Ask for an estimate whose expected value is the truth, nearly normally distributed with the
         standard deviation ``sd``, a number or a function of the inputs.
 
-        ``error``, ``mean_error`` and ``bias`` are those of ``exercises.kinds.random.estimate``.
+        ``error``, ``mean_error`` and ``bias`` are those of ``exercises.authoring.kinds.random.estimate``.
         """
         return self._asked(
             estimate,
@@ -235,8 +235,8 @@ class Ask:
     ) -> Asked:
         """Ask for a sympy expression, or a matrix or tuple of them, that a function returns.
 
-        Its inputs are symbols (``exercises.kinds.expression.symbol``), constants and draws. The truth gets
-        numbers for the symbols.
+        Its inputs are symbols (``exercises.authoring.kinds.expression.symbol``), constants and draws. The
+        truth gets numbers for the symbols.
         """
         return self._asked(
             expression,

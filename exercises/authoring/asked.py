@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from exercises.authoring.draws import JointDraw
+from exercises.authoring.kinds.values import of_expression
+from exercises.authoring.questions.declared import Itself, Mistake, Value
+from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 from exercises.authoring.solutions import NotebookSolution
 from exercises.authoring.written_mistakes import WrittenMistake
-from exercises.declared import Itself, Mistake, Value
-from exercises.kinds.values import of_expression
-from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
@@ -131,9 +131,9 @@ class AskedSolution:
 class Asked(AskedSolution):
     """A function or class that an exercise asks for. The author adds cases, a truth, tolerances and mistakes.
 
-    ``kind`` is a function of ``exercises.kinds``, called with these ``options`` for each case. ``values`` are
-    the names of what the solution returns: none for a single value, None if the question compares no values.
-    ``defaults`` are inputs that cases need not give.
+    ``kind`` is a function of ``exercises.authoring.kinds``, called with these ``options`` for each case.
+    ``values`` are the names of what the solution returns: none for a single value, None if the question
+    compares no values. ``defaults`` are inputs that cases need not give.
     """
 
     kind: Callable[..., Question]

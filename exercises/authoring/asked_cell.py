@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from exercises.authoring.asked import AskedSolution, DeclarationError
+from exercises.authoring.kinds.variables import Claim, variables
+from exercises.authoring.questions.declared import Value
+from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
-from exercises.declared import Value
-from exercises.kinds.variables import Claim, variables
-from exercises.question import Question
 from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.declared import Draw, Family, Value
+from exercises.authoring.questions.declared import Draw, Family, Value
 from polhode.judging.outcome import Tolerance
 
 

@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from exercises import author, author_notebook
-from exercises.assignment import Assignment
-from exercises.author_notebook import Cell, InvalidNotebook
 from exercises.authoring.ask import Ask
 from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
+from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.codes import CODES
 from exercises.authoring.draws import Drawing, JointDraw
 from exercises.authoring.points import allotted
+from exercises.authoring.publishing.publish import Section
+from exercises.authoring.questions import author, author_notebook
+from exercises.authoring.questions.author_notebook import Cell, InvalidNotebook
+from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution, Solutions
-from exercises.publish import Section
-from exercises.question import Question
 from polhode.kinds import exercise as expand_exercise
 from polhode.notebook.names import names_in
 
@@ -47,7 +47,8 @@ class DeclaredExercise:
 class Notebook:
     """One notebook's assignment. ``title`` is by default the first heading of the notebook.
 
-    ``packages``, ``data``, ``cpu_s`` and ``load_s`` are those of ``exercises.assignment.Assignment``.
+    ``packages``, ``data``, ``cpu_s`` and ``load_s`` are those of
+    ``exercises.authoring.assignments.assignment.Assignment``.
     """
 
     def __init__(

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from exercises import author_notebook
-from exercises.author_notebook import Cell
+from exercises.authoring.questions import author_notebook
+from exercises.authoring.questions.author_notebook import Cell
 from polhode.notebook.cells import DEFINITION, Statement, statements_of
 
 

@@ -12,10 +12,18 @@ import numpy as np
 import scipy.linalg
 from scipy.optimize import curve_fit
 
-from exercises.author import Notebook, Tolerance, Value, integers, mistake, uniform, with_ends
-from exercises.kinds.fit import fit
-from exercises.kinds.values import other_inputs, values
-from exercises.kinds.variables import variables
+from exercises.authoring.kinds.fit import fit
+from exercises.authoring.kinds.values import other_inputs, values
+from exercises.authoring.kinds.variables import variables
+from exercises.authoring.questions.author import (
+    Notebook,
+    Tolerance,
+    Value,
+    integers,
+    mistake,
+    uniform,
+    with_ends,
+)
 
 notebook = Notebook("Coupled oscillators", notebook="notebook.ipynb", data=("dispersion.csv",))
 q_data, omega_data, sigma_data = np.loadtxt(

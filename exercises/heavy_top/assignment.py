@@ -12,10 +12,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
-from exercises.author import Notebook, Tolerance, mistake, uniform
-from exercises.kinds.animation import animation
-from exercises.kinds.ode import ode
-from exercises.kinds.values import values
+from exercises.authoring.kinds.animation import animation
+from exercises.authoring.kinds.ode import ode
+from exercises.authoring.kinds.values import values
+from exercises.authoring.questions.author import Notebook, Tolerance, mistake, uniform
 from reference import Exact, HeavyTop, heavy_top
 
 if TYPE_CHECKING:  # the solution runs in the sandbox only; importing these takes the server 0.4 s

@@ -8,9 +8,17 @@ from math import log2, sqrt
 
 import numpy as np
 
-from exercises.author import Notebook, Tolerance, choice, family, integers, mistake, uniform
-from exercises.kinds.stepper import euler, rk4, stepper
-from exercises.kinds.values import values
+from exercises.authoring.kinds.stepper import euler, rk4, stepper
+from exercises.authoring.kinds.values import values
+from exercises.authoring.questions.author import (
+    Notebook,
+    Tolerance,
+    choice,
+    family,
+    integers,
+    mistake,
+    uniform,
+)
 
 notebook = Notebook("Integrators", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-12, reason="a hundred times what two forms of a step differ by")

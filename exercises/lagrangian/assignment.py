@@ -9,10 +9,10 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from exercises.author import Notebook, Tolerance, family, mistake, uniform
-from exercises.kinds.expression import expression, symbol
-from exercises.kinds.ode import ode
-from exercises.kinds.values import values
+from exercises.authoring.kinds.expression import expression, symbol
+from exercises.authoring.kinds.ode import ode
+from exercises.authoring.kinds.values import values
+from exercises.authoring.questions.author import Notebook, Tolerance, family, mistake, uniform
 
 notebook = Notebook("Lagrangian mechanics", notebook="notebook.ipynb", packages=("sympy",))
 ROUNDING = Tolerance(limit=1e-11, reason="ten thousand rounding errors of the largest number")

@@ -13,10 +13,18 @@ import numpy as np
 from scipy.optimize import curve_fit
 from scipy.stats import rv_discrete
 
-from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
-from exercises.kinds.fit import fit
-from exercises.kinds.random import estimate, generator, samples
-from exercises.kinds.values import values
+from exercises.authoring.kinds.fit import fit
+from exercises.authoring.kinds.random import estimate, generator, samples
+from exercises.authoring.kinds.values import values
+from exercises.authoring.questions.author import (
+    Notebook,
+    Tolerance,
+    Value,
+    family,
+    integers,
+    mistake,
+    uniform,
+)
 
 notebook = Notebook("Random walks and Monte Carlo", notebook="notebook.ipynb", data=("track.csv",))
 ROUNDING = Tolerance(limit=1e-12, reason="a thousand rounding errors")

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from exercises.author import Notebook
+from exercises.authoring.questions.author import Notebook
 from exercises.rigid_body.bounds import with_bound
 from exercises.rigid_body.causes import CODES, diagnose_function, diagnose_scene
 from exercises.rigid_body.hidden_checks import FOLLOWING, HIDDEN

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import reference
-from exercises.assignment import Inputs
+from exercises.authoring.assignments.assignment import Inputs
 from exercises.rigid_body.public.quantities import Array
 
 Rng = np.random.Generator

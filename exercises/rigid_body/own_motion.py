@@ -5,7 +5,7 @@ verified.
 import numpy as np
 
 import reference
-from exercises.assignment import Inputs
+from exercises.authoring.assignments.assignment import Inputs
 from exercises.rigid_body.public.quantities import SYMMETRIC, Array
 from polhode.judging.checks import Arrays
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 import reference
-from exercises.assignment import Inputs
+from exercises.authoring.assignments.assignment import Inputs
 from exercises.rigid_body.draws import DRAWN, Rng, body, signs
 from exercises.rigid_body.public.quantities import Array
 

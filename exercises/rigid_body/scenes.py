@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 import reference
-from exercises.assignment import ArraySpec, Inputs, Scene
-from exercises.kinds.animation import RECORDING
+from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene
+from exercises.authoring.kinds.animation import RECORDING
 from exercises.rigid_body import draws, probes
 from exercises.rigid_body.own_motion import own_motion
 from exercises.rigid_body.public.quantities import (

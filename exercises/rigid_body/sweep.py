@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 import reference
-from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
+from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene, Sweep
+from exercises.authoring.assignments.sweep import BUDGET_S, SETTINGS, result
 from exercises.rigid_body.public.quantities import BODY, TORQUE_FREE, as_closely
 from exercises.rigid_body.scenes import SCENES
-from exercises.sweep import BUDGET_S, SETTINGS, result
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import SweepResult
 

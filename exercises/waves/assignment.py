@@ -10,8 +10,17 @@ from math import inf, pi, sin, sinh, sqrt, tanh
 import numpy as np
 from scipy.fft import dst
 
-from exercises.author import Notebook, Tolerance, family, integers, mistake, normal, uniform, with_ends
-from exercises.kinds.values import other_inputs, values
+from exercises.authoring.kinds.values import other_inputs, values
+from exercises.authoring.questions.author import (
+    Notebook,
+    Tolerance,
+    family,
+    integers,
+    mistake,
+    normal,
+    uniform,
+    with_ends,
+)
 
 notebook = Notebook("Waves", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-12, reason="a thousand times the rounding errors of a sum over the grid")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading import rendering
 from service.sandbox.result import SystemFault

@@ -6,7 +6,7 @@ import psycopg
 from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
-from exercises.catalogue import load_catalogue
+from exercises.authoring.assignments.catalogue import load_catalogue
 from service.api.answers import Ready
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems

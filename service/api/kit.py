@@ -6,7 +6,7 @@ import asyncio
 
 from fastapi import APIRouter, Request, Response
 
-from exercises import public_side, wheel
+from exercises.authoring.publishing import public_side, wheel
 from polhode.client import build
 from service.api.submissions import Assigned
 from service.http.errors import Problem

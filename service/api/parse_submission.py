@@ -10,7 +10,7 @@ from weakref import WeakValueDictionary
 
 from fastapi import Request
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from service.api import submission_body
 from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading.grade import UnknownExercise, select

@@ -5,7 +5,7 @@ of hidden checks.
 from dataclasses import replace
 from typing import Any
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.auth.identity import STAFF, Person
 from service.grading.author_errors import FAULT
 from service.grading.withholding import without_details

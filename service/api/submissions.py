@@ -12,10 +12,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
-from exercises import packages
-from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
-from exercises.catalogue import assignments, find
-from exercises.validation_cells import is_self_reported
+from exercises.authoring.assignments import packages
+from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.catalogue import assignments, find
+from exercises.authoring.importing.validation_cells import is_self_reported
 from polhode.client import build as kit
 from polhode.report.document import document
 from polhode.report.report import Report

@@ -11,7 +11,7 @@ from typing import TypeVar
 import psycopg
 from sqlalchemy.exc import DBAPIError
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.cli.errors import CommandError
 from service.settings import Settings
 from service.store.database import Connection, Database

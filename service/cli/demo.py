@@ -13,9 +13,9 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from exercises.catalogue import assignments
-from exercises.mistakes import MadeSample
-from exercises.samples import Sample, samples
+from exercises.authoring.assignments.catalogue import assignments
+from exercises.authoring.assignments.samples import Sample, samples
+from exercises.authoring.mutants.mistakes import MadeSample
 from polhode.judging.judge import MARKS, Verdict
 from polhode.report.document import read
 from polhode.report.report import Report

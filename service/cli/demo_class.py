@@ -10,9 +10,9 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from exercises.assignment import Assignment
-from exercises.catalogue import assignments
-from exercises.samples import samples
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.assignments.catalogue import assignments
+from exercises.authoring.assignments.samples import samples
 from service.cli.database import database_url, run_async
 from service.grading.submission import Submission
 from service.settings import Settings

@@ -6,8 +6,8 @@ import platform
 import resource
 from pathlib import Path
 
-from exercises import packages
-from exercises.catalogue import assignments
+from exercises.authoring.assignments import packages
+from exercises.authoring.assignments.catalogue import assignments
 from service.grading.grade import missing_packages
 from service.sandbox.guest import landlock, lockdown
 from service.sandbox.guest.syscalls import MACHINES

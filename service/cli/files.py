@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from service.cli.errors import CommandError
 
 if TYPE_CHECKING:
-    from exercises.assignment import Assignment
+    from exercises.authoring.assignments.assignment import Assignment
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 WORD = re.compile(r"\w+")
@@ -103,8 +103,8 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> "Assignment":
     one with a function that the files define, or, if none has one, that they name. Raises NoAssignment if
     none or several match, InvalidAssignment for a broken one.
     """
-    from exercises.assignment import NoAssignment
-    from exercises.catalogue import find, folders, load_catalogue, selected, slug_of
+    from exercises.authoring.assignments.assignment import NoAssignment
+    from exercises.authoring.assignments.catalogue import find, folders, load_catalogue, selected, slug_of
 
     if slug is not None:
         return find(slug)
@@ -155,8 +155,8 @@ def _names(source: str, names: set[str]) -> bool:
 
 def _asks_for(slug: str, names: set[str]) -> bool:
     """Return whether an assignment asks for one of these functions. A broken one may."""
-    from exercises.assignment import InvalidAssignment
-    from exercises.catalogue import find
+    from exercises.authoring.assignments.assignment import InvalidAssignment
+    from exercises.authoring.assignments.catalogue import find
 
     try:
         return bool(find(slug).functions() & names)

@@ -66,7 +66,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _write_refusal(reason: str, arguments: Sequence[str], results: Path) -> None:
     """Write results with no points and the instruction to submit one file."""
-    from exercises.catalogue import assignments
+    from exercises.authoring.assignments.catalogue import assignments
     from service.cli.output_dir import write
     from service.formats import gradescope
     from service.grading.grade import select

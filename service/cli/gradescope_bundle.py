@@ -13,11 +13,12 @@ from pathlib import Path
 import exercises
 import reference
 import service
-from exercises import course_packages, zipfiles
-from exercises import wheel as kit
-from exercises.assignment import Assignment
-from exercises.catalogue import DECLARATION
-from exercises.zipfiles import zipped
+from exercises.authoring.assignments import course_packages
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.assignments.catalogue import DECLARATION
+from exercises.authoring.publishing import wheel as kit
+from exercises.authoring.publishing import zipfiles
+from exercises.authoring.publishing.zipfiles import zipped
 from polhode.client.build import WHEEL
 from service.cli.arguments import add_exercise
 from service.cli.files import resolve_assignment

@@ -7,10 +7,10 @@ import shutil
 import sys
 from pathlib import Path
 
-from exercises import catalogue, course_packages
-from exercises.assignment import InvalidAssignment
-from exercises.author_notebook import InvalidNotebook
-from exercises.importing import imported
+from exercises.authoring.assignments import catalogue, course_packages
+from exercises.authoring.assignments.assignment import InvalidAssignment
+from exercises.authoring.importing.importing import imported
+from exercises.authoring.questions.author_notebook import InvalidNotebook
 from service.cli.errors import CommandError
 from service.cli.scaffolding import CannotScaffold, created
 

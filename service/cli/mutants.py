@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
-from exercises.catalogue import find
-from exercises.mutation import variants
-from exercises.solution import Variant
+from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.catalogue import find
+from exercises.authoring.mutants.mutation import variants
+from exercises.authoring.mutants.solution import Variant
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from service.cli.arguments import count

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.report.document import document
 from service.formats import html
 from service.formats.filenames import UniqueNames

@@ -3,7 +3,8 @@
 import argparse
 from pathlib import Path
 
-from exercises import catalogue, wheel
+from exercises.authoring.assignments import catalogue
+from exercises.authoring.publishing import wheel
 from polhode.client.build import WHEEL
 from service.cli.errors import CommandError
 from service.cli.output_dir import write

@@ -20,7 +20,7 @@ from service.cli.errors import CommandError
 from service.formats import VISIBILITIES, VISIBLE
 
 if TYPE_CHECKING:
-    from exercises.assignment import Assignment
+    from exercises.authoring.assignments.assignment import Assignment
     from service.formats.classroom50 import SubmissionInfo
     from service.grading.result import GradedFile
 

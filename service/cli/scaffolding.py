@@ -11,9 +11,9 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from exercises import catalogue
-from exercises.importing import quoted
-from exercises.publish import markdown
+from exercises.authoring.assignments import catalogue
+from exercises.authoring.importing.importing import quoted
+from exercises.authoring.publishing.publish import markdown
 from service.cli.errors import CommandError
 
 TEMPLATE = Path(__file__).parent / "scaffold"

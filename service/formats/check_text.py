@@ -5,7 +5,7 @@ error.
 import re
 from collections.abc import Iterable
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome, SceneEnd
 from polhode.report.report import Report

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import ExerciseReport
 from polhode.report.report import Report

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import MARKS, Verdict
 from polhode.judging.outcome import Outcome
 from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, sanitize

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from service.grading.result import GradedFile, state
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from polhode.report.report import Report

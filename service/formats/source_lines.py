@@ -12,7 +12,7 @@ from json import scanner
 from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any, cast
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import Outcome
 from polhode.notebook.outputs import is_notebook
 from polhode.report.student_line import BREAK

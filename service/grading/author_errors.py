@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
-from exercises.catalogue import find
-from exercises.validation import format_error
+from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.catalogue import find
+from exercises.authoring.assignments.validation import format_error
 from polhode.judging.author_errors import AuthorError
 from service.sandbox.result import NotPrepared, SystemFault
 

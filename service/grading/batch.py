@@ -9,8 +9,8 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from exercises import validation
-from exercises.assignment import Assignment
+from exercises.authoring.assignments import validation
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import SweepResult
 from polhode.notebook.outputs import is_notebook
 from service.grading import rendering

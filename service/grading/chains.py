@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from service.grading.judging import passes
 from service.grading.playing import PlayedJob, play_job
 from service.sandbox.job import Job, ReferenceFunctions

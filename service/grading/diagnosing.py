@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exercises.assignment import Assignment, Scene
+from exercises.authoring.assignments.assignment import Assignment, Scene
 from polhode.judging.outcome import Diagnosis
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult

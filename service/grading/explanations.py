@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.solution import Variant
+from exercises.authoring.mutants.solution import Variant
 from polhode.judging.checks import Arrays
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis

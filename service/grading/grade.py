@@ -5,9 +5,9 @@ import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from exercises import packages
-from exercises.assignment import Assignment
-from exercises.validation_cells import ReportedLine
+from exercises.authoring.assignments import packages
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.importing.validation_cells import ReportedLine
 from polhode.judging.checks import Arrays
 from polhode.judging.claims import Claim, NotebookCheck
 from polhode.judging.exercise import Exercise, attempted

@@ -4,8 +4,8 @@ import json
 import time
 from collections.abc import Collection, Sequence
 
-from exercises.assignment import Assignment, Sweep
-from exercises.sweep import compared
+from exercises.authoring.assignments.assignment import Assignment, Sweep
+from exercises.authoring.assignments.sweep import compared
 from polhode.judging.outcome import SweepResult
 from polhode.report.document import document
 from polhode.report.report import Report

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exercises.assignment import Assignment, Inputs, Scene
+from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
 from polhode.judging.checks import Arrays
 from service.grading.published import with_published
 from service.grading.submission import Submission

@@ -5,8 +5,8 @@ makes fewer has not shown what the loop is to show.
 from collections.abc import Mapping
 from pathlib import Path
 
-from exercises.assignment import Assignment
-from exercises.validation_cells import ReportedLine
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.importing.validation_cells import ReportedLine
 from service.grading.jobs import job_of
 from service.grading.submission import Submission
 from service.sandbox.result import TooBusy

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Motion
 from service.grading.jobs import draw_inputs, truth

@@ -5,8 +5,8 @@ import secrets
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from exercises import packages
-from exercises.assignment import Assignment, Inputs
+from exercises.authoring.assignments import packages
+from exercises.authoring.assignments.assignment import Assignment, Inputs
 from polhode.judging.author_errors import UNUSABLE, same_error
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Ended, SceneEnd

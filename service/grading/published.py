@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from exercises.assignment import PublishedCell
+from exercises.authoring.assignments.assignment import PublishedCell
 from service.sandbox.guest.pieces import MARK, MOST_PIECES
 from service.sandbox.job import Cell
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Figure
 from polhode.judging.outcome import SweepResult

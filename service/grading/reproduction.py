@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
-from exercises.assignment import Assignment, Scene
-from exercises.solution import Variant
+from exercises.authoring.assignments.assignment import Assignment, Scene
+from exercises.authoring.mutants.solution import Variant
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, reproduces

@@ -4,7 +4,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from polhode.report.report import Report, pictures

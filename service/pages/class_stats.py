@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.checks import Check
 from service.grading import result
 from service.store.course.gradebook import StudentRow

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 from pydantic import BaseModel, Field
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from service.api.submissions import Assigned
 from service.auth.roles import Staff
 from service.grading import result

@@ -8,8 +8,8 @@ from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Match
 
-from exercises.catalogue import assignments
-from exercises.validation_cells import is_self_reported
+from exercises.authoring.assignments.catalogue import assignments
+from exercises.authoring.importing.validation_cells import is_self_reported
 from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
 from service.api.history import list_own

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.datastructures import FormData
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.api.submissions import Assigned
 from service.auth import forms
 from service.auth.roles import Instructor, Staff

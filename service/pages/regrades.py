@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from service.api.submissions import Assigned, find_assignment
 from service.auth.forms import Form, field
 from service.auth.roles import Instructor, Staff

@@ -10,8 +10,8 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
-from exercises.assignment import Assignment
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.assignments.catalogue import assignments
 from polhode.judging.exercise import Motion
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended, Outcome, SceneEnd

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from exercises.assignment import Assignment
+from exercises.authoring.assignments.assignment import Assignment
 from service.api.answers import Past
 
 

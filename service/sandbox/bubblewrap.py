@@ -11,7 +11,7 @@ import shutil
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from exercises import course_packages
+from exercises.authoring.assignments import course_packages
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest.scratch import MIB, ROOM
 from service.sandbox.guest_files import (

@@ -13,7 +13,7 @@ from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 
-from exercises.packages import SANDBOX
+from exercises.authoring.assignments.packages import SANDBOX
 
 _kit = find_spec("polhode")
 assert _kit is not None and _kit.origin is not None

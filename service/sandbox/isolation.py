@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from exercises import course_packages
+from exercises.authoring.assignments import course_packages
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     BASE_PREFIX,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import SceneEnd
 from service.sandbox.guest.place import Place
 from service.sandbox.guest.wire import APART, BYTES, FILES, LENGTH, NUMBERS

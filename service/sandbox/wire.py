@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.notes import MOST_REMARKS, Absent, Notes
 from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox import claims

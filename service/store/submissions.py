@@ -9,8 +9,8 @@ from uuid import UUID, uuid4
 from psycopg import IntegrityError
 from psycopg.types.json import Jsonb
 
-from exercises.assignment import Assignment
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.assignments.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database, NoRow, Row
 from service.store.queue import PERSON_LOCK, lock_persons, send_gradings

@@ -13,7 +13,7 @@ import time
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.sandbox.guest.lockdown import die_with_parent
 from service.settings import Settings
 from service.workers.worker import work

@@ -19,7 +19,7 @@ from typing import Any
 
 from procrastinate import App
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
 from service.sandbox.result import Cancelled, SystemFault

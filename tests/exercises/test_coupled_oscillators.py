@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from exercises.coupled_oscillators import assignment as file
 from tests.support.toolbox import Toolbox, failed, judged
 

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from exercises.integrators import assignment as author
 from polhode.kinds import play
 from polhode.kinds import stepper as kit

@@ -15,8 +15,8 @@ import time
 from hashlib import sha256
 from pathlib import Path
 
-from exercises.catalogue import assignments
-from exercises.samples import Sample, samples
+from exercises.authoring.assignments.catalogue import assignments
+from exercises.authoring.assignments.samples import Sample, samples
 from service.cli.demo import free_port
 from tests.image import calls, stand_ins
 from tests.image.course import BY_WORKER, LOST, Course, stop

@@ -7,7 +7,7 @@ import urllib.request
 from collections.abc import Callable
 from typing import Any
 
-from exercises.samples import Sample
+from exercises.authoring.assignments.samples import Sample
 from tests.image.engine import Failed
 
 GRADED_S = 90

@@ -5,7 +5,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from exercises.samples import Sample
+from exercises.authoring.assignments.samples import Sample
 from service.cli.demo import free_port
 from tests.image.calls import graded, readyz, submit, until
 from tests.image.engine import Failed, Podman

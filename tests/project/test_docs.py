@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from exercises import author, mutation
+from exercises.authoring.assignments.samples import samples
 from exercises.authoring.codes import CODES
-from exercises.question import Question
-from exercises.samples import samples
+from exercises.authoring.mutants import mutation
+from exercises.authoring.questions import author
+from exercises.authoring.questions.question import Question
 from polhode.judging import checks
 from polhode.kinds import KINDS
 from polhode.report.document import document
@@ -148,7 +149,7 @@ COMMON = "`solution`, `ask`, `truth`, `mistakes`, `uses` and `budget_s`"
 def test_the_guide_for_authors_names_what_an_author_imports():
     for name in author.__all__:
         assert re.search(rf"`{name}\(", doc("docs/authors.md")), name
-    modules = [importlib.import_module(f"exercises.kinds.{kind}") for kind in KINDS]
+    modules = [importlib.import_module(f"exercises.authoring.kinds.{kind}") for kind in KINDS]
     made = [
         (f, inspect.signature(f))
         for module in modules

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from docs import site
-from exercises.catalogue import load_catalogue
+from exercises.authoring.assignments.catalogue import load_catalogue
 from service.app import ROUTERS
 from service.cli.__main__ import COMMANDS, _parse
 from service.settings import Settings

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from exercises.wheel import wheel
+from exercises.authoring.publishing.wheel import wheel
 from tests.support import systemd
 from tests.support.checkout import ROOT
 

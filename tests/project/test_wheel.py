@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from exercises.wheel import wheel as kit_wheel
+from exercises.authoring.publishing.wheel import wheel as kit_wheel
 from service.cli.gradescope_bundle import bundle, own_wheel
 
 ROOT = Path(__file__).parents[2]

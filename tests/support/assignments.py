@@ -6,8 +6,9 @@ import shutil
 import sys
 from pathlib import Path
 
-from exercises import catalogue, public_side
-from exercises.catalogue import load_catalogue
+from exercises.authoring.assignments import catalogue
+from exercises.authoring.assignments.catalogue import load_catalogue
+from exercises.authoring.publishing import public_side
 
 TEMPLATE = Path(__file__).parents[1] / "assignments" / "damped_oscillator"
 

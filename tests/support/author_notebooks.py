@@ -5,8 +5,8 @@ import json
 ASSIGNMENT = '''
 import numpy as np
 
-from exercises.author import Notebook, Tolerance, mistake, uniform
-from exercises.kinds.values import values
+from exercises.authoring.questions.author import Notebook, Tolerance, mistake, uniform
+from exercises.authoring.kinds.values import values
 
 notebook = Notebook("Falling", notebook="fall.ipynb")
 

@@ -7,7 +7,7 @@ Setup and solutions are our own spelling; names, signatures, numbers, labels and
 import json
 from collections.abc import Iterable
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 
 FILE = assignments()["rigid-body"].folder / "samples" / "right_course_notebook.ipynb"
 LABELS = (

@@ -4,7 +4,7 @@ import io
 import os
 import zipfile
 
-from exercises import public_side, wheel
+from exercises.authoring.publishing import public_side, wheel
 from polhode.client import cache
 
 

@@ -5,7 +5,7 @@ row of verdicts.
 from dataclasses import replace
 from pathlib import Path
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
 from polhode.report.report import Provenance, Report

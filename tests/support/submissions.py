@@ -7,7 +7,7 @@ built.
 import time
 import uuid
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.grading import grade as core
 from service.grading import rendering
 from service.grading.submission import Submission

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from exercises.assignment import Assignment
-from exercises.catalogue import assignments
-from exercises.samples import samples
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.assignments.catalogue import assignments
+from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import MARKS
 from polhode.report.report import Report
 from service.grading import reproduction

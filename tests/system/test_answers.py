@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from exercises.validation import errors
+from exercises.authoring.assignments.validation import errors
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

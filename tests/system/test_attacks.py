@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.judge import Verdict
 from polhode.report.document import document
 from service.grading.grade import grade

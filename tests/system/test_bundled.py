@@ -6,7 +6,7 @@ import contextlib
 
 import pytest
 
-from exercises import catalogue
+from exercises.authoring.assignments import catalogue
 from service.cli.__main__ import main
 from service.cli.mutants import grade_mutants
 from service.grading.grade import grade

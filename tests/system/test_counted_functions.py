@@ -5,7 +5,7 @@ knows: the calls are counted where the function is, in another process.
 import numpy as np
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import Verdict
 from service.grading.grade import grade
 from service.grading.jobs import draw_inputs, job_of

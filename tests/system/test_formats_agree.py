@@ -11,7 +11,7 @@ import junitparser
 from hypothesis import given
 from markdown_it import MarkdownIt
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import MARKS, Verdict
 from service.formats import classroom50, github, gradebooks, grades, gradescope, junit
 from service.formats.check_text import sanitize

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import pytest
 
-from exercises.importing import imported
+from exercises.authoring.importing.importing import imported
 from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
@@ -506,7 +506,8 @@ def rings(tmp_path_factory):
     home = imported_folder(tmp_path_factory.mktemp("rings"), "rings", of_rings(DISC, RING))
     head, _, _ = (home / "assignment.py").read_text().partition("\nnotebook.exercise(")
     imports = (
-        "import Notebook, Tolerance, line, mistake, uniform\nfrom exercises.kinds.values import values\n"
+        "import Notebook, Tolerance, line, mistake, uniform\n"
+        "from exercises.authoring.kinds.values import values\n"
     )
     text = head.replace("import Notebook, line\n", f"{imports}import numpy as np\n") + STRENGTHENED
     (home / "assignment.py").write_text(text)

@@ -7,7 +7,7 @@ import textwrap
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox import session
 from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.result import Cancelled

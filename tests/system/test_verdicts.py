@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from tests.support.verdicts import SHARE, difference, differences, load, measure, subjects
 
 SAMPLE = {"points": "2 of 5", "✓": ["2-energy"], "✗": ["2-motion"], "–": [], "codes": ["sign"]}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exercises.assignment import Answers, Inputs
+from exercises.authoring.assignments.assignment import Answers, Inputs
 from exercises.rigid_body import probes
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
 from exercises.rigid_body.causes.precession import causes_of_rate

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 import reference
-from exercises.assignment import Inputs
+from exercises.authoring.assignments.assignment import Inputs
 from exercises.rigid_body.causes.algebra import MOMENT
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.public.diagnosis import Mistake, cause

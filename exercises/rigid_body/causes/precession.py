@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 import reference
-from exercises.assignment import Answers
+from exercises.authoring.assignments.assignment import Answers
 from exercises.rigid_body.causes.algebra import SPIN
 from exercises.rigid_body.public.diagnosis import TURN, cause
 from exercises.rigid_body.public.quantities import Array

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exercises.assignment import Inputs
+from exercises.authoring.assignments.assignment import Inputs
 from exercises.rigid_body.causes import formulas
 from exercises.rigid_body.causes.algebra import (
     MOMENT,

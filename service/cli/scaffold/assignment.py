@@ -4,7 +4,7 @@ import numpy as np
 import scipy.linalg
 import scipy.special
 
-from exercises.authoring.words import Notebook, absolute, array_of, between, normal, relative
+from exercises.authoring import Notebook, absolute, array_of, between, normal, relative
 
 notebook = Notebook(
     "notebook.ipynb",

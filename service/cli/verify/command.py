@@ -12,10 +12,10 @@ from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 
-from exercises import catalogue, validation
-from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
-from exercises.catalogue import find, load_catalogue
-from exercises.samples import SampleSet, load_samples, with_entries
+from exercises.authoring.assignments import catalogue, validation
+from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.catalogue import find, load_catalogue
+from exercises.authoring.assignments.samples import SampleSet, load_samples, with_entries
 from service.cli.arguments import count, seed
 from service.cli.output_dir import write
 from service.cli.progress import Progress

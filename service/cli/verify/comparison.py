@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from exercises.assignment import Assignment
-from exercises.samples import Sample, SampleSet, codes, entry
-from exercises.validation import format_error
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.assignments.samples import Sample, SampleSet, codes, entry
+from exercises.authoring.assignments.validation import format_error
 from polhode.judging.judge import MARKS, Verdict
 from polhode.judging.outcome import Ended
 from polhode.report.document import document

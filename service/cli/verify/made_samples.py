@@ -10,8 +10,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from exercises.assignment import Assignment
-from exercises.mistakes import UNSEEN, MadeSample
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.mutants.mistakes import UNSEEN, MadeSample
 from polhode.judging.judge import Verdict
 from polhode.kinds import NEW_INPUTS
 from polhode.report.document import document

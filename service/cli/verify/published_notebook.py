@@ -14,9 +14,10 @@ from pathlib import Path
 from threading import Timer
 from typing import Any
 
-from exercises import author_notebook, public_side, wheel
-from exercises.assignment import Assignment
-from exercises.mistakes import MadeSample
+from exercises.authoring.assignments.assignment import Assignment
+from exercises.authoring.mutants.mistakes import MadeSample
+from exercises.authoring.publishing import public_side, wheel
+from exercises.authoring.questions import author_notebook
 from polhode.client import cache
 from polhode.notebook.cells import python_of, statements_of
 from polhode.report.report import Report

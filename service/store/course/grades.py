@@ -5,7 +5,7 @@ and all submissions in batches.
 from collections.abc import AsyncIterator, Sequence
 from uuid import UUID
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.formats.grade_row import GradeRow
 from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row

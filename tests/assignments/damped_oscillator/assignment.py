@@ -2,7 +2,7 @@
 closed-form solution.
 """
 
-from exercises.author import Notebook
+from exercises.authoring.questions.author import Notebook
 
 from .causes import CODES, diagnose
 from .hidden_checks import RATES

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.assignment import Inputs
+from exercises.authoring.assignments.assignment import Inputs
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Diagnosis
 

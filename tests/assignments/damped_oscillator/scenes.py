@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.assignment import ArraySpec, Inputs, Scene
+from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene
 
 from . import truth
 from .public.parameters import DAMPED, START, T_END, UNDAMPED, N

@@ -5,7 +5,7 @@ from math import pi
 from numpy import arctan2, array, cos, exp, hypot, sin, sqrt
 from scipy.optimize import brentq
 
-from exercises.authoring.words import (
+from exercises.authoring import (
     Notebook,
     absolute,
     angle,

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from exercises.assignment import ArraySpec, Scene
-from exercises.author import Notebook
+from exercises.authoring.assignments.assignment import ArraySpec, Scene
+from exercises.authoring.questions.author import Notebook
 
 from .public import EXERCISES
 

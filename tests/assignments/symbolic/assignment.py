@@ -4,8 +4,8 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import quad
 
-from exercises.author import Notebook, Tolerance, choice, mistake
-from exercises.kinds.expression import expression, symbol
+from exercises.authoring.kinds.expression import expression, symbol
+from exercises.authoring.questions.author import Notebook, Tolerance, choice, mistake
 
 notebook = Notebook(
     "Symbolic calculations", setup="import numpy as np\nimport sympy as sp\n", packages=("sympy",)

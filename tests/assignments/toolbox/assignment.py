@@ -8,14 +8,22 @@ import scipy.linalg
 from matplotlib.animation import FuncAnimation
 from scipy.optimize import curve_fit
 
-from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
-from exercises.kinds.animation import animation
-from exercises.kinds.fit import fit
-from exercises.kinds.ode import ode
-from exercises.kinds.random import estimate, generator, samples
-from exercises.kinds.stepper import rk4, stepper
-from exercises.kinds.values import values
-from exercises.kinds.variables import claim, variables
+from exercises.authoring.kinds.animation import animation
+from exercises.authoring.kinds.fit import fit
+from exercises.authoring.kinds.ode import ode
+from exercises.authoring.kinds.random import estimate, generator, samples
+from exercises.authoring.kinds.stepper import rk4, stepper
+from exercises.authoring.kinds.values import values
+from exercises.authoring.kinds.variables import claim, variables
+from exercises.authoring.questions.author import (
+    Notebook,
+    Tolerance,
+    Value,
+    family,
+    integers,
+    mistake,
+    uniform,
+)
 
 ROUNDING = "a few rounding errors of the summed terms"
 

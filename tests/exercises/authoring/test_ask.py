@@ -18,7 +18,7 @@ SOLUTIONS = {
 }
 DECLARED = """
 import numpy as np
-from exercises.authoring.words import Notebook, between, generator, relative
+from exercises.authoring import Notebook, between, generator, relative
 
 notebook = Notebook("decay.ipynb", title="Radioactive decay")
 NEAR = relative(1e-3, because="of a standard deviation")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exercises import wheel
+from exercises.authoring.publishing import wheel
 from service.grading.grade import grade
 from service.grading.jobs import draw_inputs, job_of, truth
 from service.grading.submission import Submission

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import reference
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 
 SOURCE = find("rigid-body").setup
 I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import reference
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from exercises.rigid_body import plays, probes
 from exercises.rigid_body.draws import DRAWN
 from polhode.judging.judge import Verdict

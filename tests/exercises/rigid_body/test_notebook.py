@@ -7,7 +7,7 @@ import re
 import nbformat
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 
 ASSIGNMENT = find("rigid-body")
 FILE = ASSIGNMENT.folder / "notebook.ipynb"

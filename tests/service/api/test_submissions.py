@@ -325,7 +325,7 @@ def test_what_runs_at_a_kill_is_graded_later(new_server, tmp_path):
 def test_every_sample_gets_its_expected_report_over_http(server, rigid_body):
     from concurrent.futures import ThreadPoolExecutor
 
-    from exercises.samples import samples
+    from exercises.authoring.assignments.samples import samples
 
     def grade(sample):
         numbers = {"exercises": ",".join(sample.ask)} if sample.ask else {}

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from exercises.samples import samples
+from exercises.authoring.assignments.samples import samples
 from polhode.judging.outcome import Diagnosis
 from polhode.report.document import document
 from service.cli import demo

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from exercises.assignment import InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.assignment import InvalidAssignment, NoAssignment
 from service.cli.__main__ import main
 from service.cli.files import NoSubmissionFound, find_files, resolve_assignment
 from tests.support.assignments import change, copied, known

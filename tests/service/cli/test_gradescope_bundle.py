@@ -9,7 +9,7 @@ import zipfile
 
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.client.build import WHEEL
 from service.cli.gradescope_bundle import bundle, own_wheel
 from tests.support.containers import Container

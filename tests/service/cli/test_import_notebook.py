@@ -1,6 +1,6 @@
 """polhode import-notebook: from a published notebook, or a folder of them, to assignments that are served."""
 
-from exercises.author_notebook import SOLUTION
+from exercises.authoring.questions.author_notebook import SOLUTION
 from service.cli.__main__ import main
 from tests.support.assignments import known
 from tests.support.course_shape import notebook, published, written

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from exercises.solution import Variant
+from exercises.authoring.mutants.solution import Variant
 from service.cli.__main__ import main
 from service.cli.mutants import MutantResult, _versions, grade_mutants, kill_rate, table
 from tests.support.assignments import known
@@ -52,8 +52,8 @@ def test_table():
 
 
 DECLARED = """
-from exercises.author import Notebook, Tolerance, uniform
-from exercises.kinds.values import values
+from exercises.authoring.questions.author import Notebook, Tolerance, uniform
+from exercises.authoring.kinds.values import values
 
 notebook = Notebook("Doubling")
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from exercises import wheel
+from exercises.authoring.publishing import wheel
 from polhode.client.build import WHEEL
 from service.cli.__main__ import main
 from tests.support.assignments import known

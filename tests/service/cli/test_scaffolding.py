@@ -151,7 +151,7 @@ def test_it_passes_the_repositorys_lint_and_tests(tree):
     contracts = "from importlinter.cli import lint_imports_command; lint_imports_command()"
     assert inside(tree, "-c", contracts).returncode == 0
     files = (
-        "tests/exercises/test_assignment.py",
+        "tests/exercises/authoring/assignments/test_assignment.py",
         "tests/exercises/rigid_body/test_notebook.py",
         "tests/project/test_docs.py",
     )

@@ -8,7 +8,7 @@ import junitparser
 import pytest
 from hypothesis import given
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from service.formats import junit
 from tests.support.random_reports import graded_files
 from tests.support.reports import example, graded_file, outcome, report

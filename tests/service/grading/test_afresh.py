@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission

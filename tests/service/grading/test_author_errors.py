@@ -20,8 +20,8 @@ FILES = {
 
 from polhode.judging.checks import close
 from polhode.judging.exercise import Exercise, Figure
-from exercises.assignment import ArraySpec, Scene
-from exercises.author import Notebook
+from exercises.authoring.assignments.assignment import ArraySpec, Scene
+from exercises.authoring.questions.author import Notebook
 
 
 def draw(rng):
@@ -261,8 +261,8 @@ def test_plays_that_import_what_the_guest_does_not_have_are_an_error_of_the_decl
     assert error.startswith("plays.py line 2: the sandbox and the kit have no ")
 
 
-ONE_FILE = """from exercises.author import Notebook, Tolerance, integers, uniform
-from exercises.kinds.values import values
+ONE_FILE = """from exercises.authoring.questions.author import Notebook, Tolerance, integers, uniform
+from exercises.authoring.kinds.values import values
 
 notebook = Notebook("Halving", setup="")
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exercises.solution import Variant
+from exercises.authoring.mutants.solution import Variant
 from service.grading.explanations import causes, diagnoses, wrong_components
 from service.grading.quoting import StudentCode
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from exercises.samples import samples
+from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import Verdict
 from polhode.report.document import document, read
 from polhode.report.report import Report

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.grading.jobs import draw_inputs, job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.guest import wire

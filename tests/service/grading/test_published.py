@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from exercises.assignment import PublishedCell
+from exercises.authoring.assignments.assignment import PublishedCell
 from service.grading.grade import grade
 from service.grading.published import with_published
 from service.grading.submission import Submission

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from service.grading import reproduction
 from service.grading.grade import grade
 from service.grading.submission import Submission

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended
 from service.grading.grade import grade

@@ -2,7 +2,7 @@
 
 import json
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.pages.notebook_text import Block, blocks
 
 

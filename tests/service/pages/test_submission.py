@@ -14,7 +14,7 @@ import uuid
 import numpy as np
 import pytest
 
-from exercises import validation
+from exercises.authoring.assignments import validation
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.notes import MOST_REMARKS
 from polhode.judging.outcome import Ended
 from polhode.report.document import document

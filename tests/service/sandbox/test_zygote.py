@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import Cancelled

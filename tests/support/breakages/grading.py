@@ -63,17 +63,19 @@ GRADING = [
     ),
     Breakage(
         "two wrong versions of a solution are equal by the rules of arithmetic",
-        "exercises/mutation.py",
+        "exercises/authoring/mutants/mutation.py",
         "found.setdefault(fingerprint(variant.source), variant)",
         "found.setdefault(variant.source, variant)",
-        ("tests/exercises/test_mutation.py::test_no_variant_is_equal_by_the_rules_of_arithmetic",),
+        (
+            "tests/exercises/authoring/mutants/test_mutation.py::test_no_variant_is_equal_by_the_rules_of_arithmetic",
+        ),
     ),
     Breakage(
         "two calls of a random generator are equal when two sources are compared",
-        "exercises/equivalence.py",
+        "exercises/authoring/mutants/equivalence.py",
         "return _random(text, self.calls[text])",
         "return _random(text)",
-        ("tests/exercises/test_equivalence.py",),
+        ("tests/exercises/authoring/mutants/test_equivalence.py",),
     ),
     Breakage(
         "the notebook of verify lacks what a solution's cell sets besides",
@@ -86,7 +88,7 @@ GRADING = [
     ),
     Breakage(
         "the author's notebook is no sample",
-        "exercises/mistakes.py",
+        "exercises/authoring/mutants/mistakes.py",
         "if solved := tuple(number for number in numbers if number not in absent):",
         "if solved := ():",
         ("tests/service/cli/verify/test_made_samples.py",),

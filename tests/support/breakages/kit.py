@@ -96,26 +96,26 @@ KIT = [
     ),
     Breakage(
         "what students get holds every module of an assignment, with its solutions",
-        "exercises/public_side.py",
+        "exercises/authoring/publishing/public_side.py",
         '(assignment.folder / "public").glob("*.py")',
         'assignment.folder.rglob("*.py")',
-        ("tests/exercises/test_public_side.py",),
+        ("tests/exercises/authoring/publishing/test_public_side.py",),
     ),
     Breakage(
         "the students' notebook keeps a solution that is not a definition",
-        "exercises/publish.py",
+        "exercises/authoring/publishing/publish.py",
         "if SOLUTION not in cell.tags and not set(others) & set(names):",
         "if SOLUTION not in cell.tags:",
         (
-            "tests/exercises/test_publish.py::test_nothing_of_a_solution_or_mistake_is_left_in_any_part_of_the_file",
+            "tests/exercises/authoring/publishing/test_publish.py::test_nothing_of_a_solution_or_mistake_is_left_in_any_part_of_the_file",
         ),
     ),
     Breakage(
         "the Setup holds the author's solutions",
-        "exercises/author_notebook.py",
+        "exercises/authoring/questions/author_notebook.py",
         "if cell.is_solution(names) or any(other <= level for other, _ in cell.headings):",
         "if any(other <= level for other, _ in cell.headings):",
-        ("tests/exercises/test_author_notebook.py",),
+        ("tests/exercises/authoring/questions/test_author_notebook.py",),
     ),
     Breakage(
         "polhode.check passes a play one function only",
@@ -157,10 +157,10 @@ KIT = [
     ),
     Breakage(
         "what students get holds the drawn scenes and their truth",
-        "exercises/public_side.py",
+        "exercises/authoring/publishing/public_side.py",
         "scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]",
         "scenes = [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in"
         " used]",
-        ("tests/exercises/test_public_side.py",),
+        ("tests/exercises/authoring/publishing/test_public_side.py",),
     ),
 ]

@@ -51,32 +51,36 @@ PHYSICS = [
         """unit, limit = truth["sd"] / seen["value"].shape[1] ** 0.5""",
         """own = seen.get("error", truth["sd"][:, None]).mean(axis=1)
     unit, limit = own / seen["value"].shape[1] ** 0.5""",
-        ("tests/exercises/kinds/test_random.py::test_an_inflated_error_does_not_excuse_a_wrong_estimate",),
+        (
+            "tests/exercises/authoring/kinds/test_random.py::test_an_inflated_error_does_not_excuse_a_wrong_estimate",
+        ),
     ),
     Breakage(
         "the correlation of rare events is judged by a normal distribution",
         "exercises/kit/polhode/kinds/random.py",
         "NORMAL = 1000",
         "NORMAL = 0",
-        ("tests/exercises/kinds/test_random.py::test_two_rare_events_in_succession_are_no_correlation",),
+        (
+            "tests/exercises/authoring/kinds/test_random.py::test_two_rare_events_in_succession_are_no_correlation",
+        ),
     ),
     Breakage(
         "a seed is not passed again",
         "exercises/kit/polhode/kinds/random.py",
         "again = once(row, 0)",
         "again = runs[0] or once(row, 0)",
-        ("tests/exercises/kinds/test_random.py::test_samples_with_an_integer_seed",),
+        ("tests/exercises/authoring/kinds/test_random.py::test_samples_with_an_integer_seed",),
     ),
     Breakage(
         "a value that is not finite hides the others",
         "exercises/kit/polhode/kinds/asking.py",
         "if len(wrong) == len(values):",
         "if wrong:",
-        ("tests/exercises/kinds/test_values.py::test_a_value_that_is_not_finite_fails_alone",),
+        ("tests/exercises/authoring/kinds/test_values.py::test_a_value_that_is_not_finite_fails_alone",),
     ),
     Breakage(
         "a part of an argument may have any type",
-        "exercises/declared.py",
+        "exercises/authoring/questions/declared.py",
         "errors = [error for at, part, of in parts for",
         "errors = [error for at, part, of in parts[:0] for",
         ("tests/exercises/test_kinds.py",),
@@ -86,14 +90,14 @@ PHYSICS = [
         "exercises/kit/polhode/kinds/expression.py",
         "if (form := simpler()).has(sympy.Sum, sympy.Product):",
         "if (form := simpler()).has(sympy.Product):",
-        ("tests/exercises/kinds/test_expression.py::test_an_equivalent_form_is_right",),
+        ("tests/exercises/authoring/kinds/test_expression.py::test_an_equivalent_form_is_right",),
     ),
     Breakage(
         "a fit's tolerance is relative to the parameter, not to its standard deviation",
         "exercises/kit/polhode/kinds/fit.py",
         """deviation = np.sqrt(np.einsum("rii->ri", truth["covariance"]))""",
         """deviation = 1e9 * np.abs(truth["parameters"])""",
-        ("tests/exercises/kinds/test_fit.py",),
+        ("tests/exercises/authoring/kinds/test_fit.py",),
     ),
     Breakage(
         "the safety factor of the motions' tolerance is ten times as large",
@@ -156,7 +160,7 @@ PHYSICS = [
         "exercises/kit/polhode/kinds/animation/matching.py",
         "if fit is None or (m == 1 and fit.coefficients[0, 0] <= 0):",
         "if fit is None:",
-        ("tests/exercises/kinds/test_animation.py::test_a_wrong_drawing_fails_with_its_reason",),
+        ("tests/exercises/authoring/kinds/test_animation.py::test_a_wrong_drawing_fails_with_its_reason",),
     ),
     Breakage(
         "an artist that changes no pixel counts as visible",

@@ -93,21 +93,21 @@ SANDBOX = [
     ),
     Breakage(
         "a sweep's calls are believed",
-        "exercises/sweep.py",
+        "exercises/authoring/assignments/sweep.py",
         "if not np.all((calls >= 1) & (calls <= most_calls) & (calls == np.trunc(calls))):",
         "if np.any(np.isnan(calls)):",
         ("tests/exercises/rigid_body/test_sweep.py",),
     ),
     Breakage(
         "any function that is wrong is told to compute in double precision",
-        "exercises/sweep.py",
+        "exercises/authoring/assignments/sweep.py",
         "if stopped and kappa and least < 10 * kappa * SINGLE:",
         "if kappa:",
-        ("tests/exercises/test_sweep.py",),
+        ("tests/exercises/authoring/assignments/test_sweep.py",),
     ),
     Breakage(
         "a stepper that is not written has points in the chart",
-        "exercises/sweep.py",
+        "exercises/authoring/assignments/sweep.py",
         "            if calls\n",
         "",
         (
@@ -120,7 +120,7 @@ SANDBOX = [
         "if len(values) + len(named) != len(over) or taken.keys() != set(over):",
         "if len(values) + len(named) != len(over):",
         (
-            "tests/exercises/kinds/test_values.py::test_a_function_argument_takes_its_arguments_by_name_and_no_others",
+            "tests/exercises/authoring/kinds/test_values.py::test_a_function_argument_takes_its_arguments_by_name_and_no_others",
         ),
     ),
     Breakage(
@@ -129,7 +129,7 @@ SANDBOX = [
         "if calls[0] > most:",
         "if calls[0] > 1000 * most:",
         (
-            "tests/exercises/kinds/test_ode.py::test_a_motion_that_stalls_or_is_not_finite_does_not_hide_the_points",
+            "tests/exercises/authoring/kinds/test_ode.py::test_a_motion_that_stalls_or_is_not_finite_does_not_hide_the_points",
         ),
     ),
     Breakage(
@@ -137,7 +137,7 @@ SANDBOX = [
         "exercises/kit/polhode/kinds/stepper.py",
         "for k, error in enumerate(found) if error > ROUNDING]",
         "for k, error in enumerate(found)]",
-        ("tests/exercises/kinds/test_stepper.py::test_order_and_stability_limit_of_known_methods",),
+        ("tests/exercises/authoring/kinds/test_stepper.py::test_order_and_stability_limit_of_known_methods",),
     ),
     Breakage(
         "a submission may replace the recorder of its animation",
@@ -313,7 +313,7 @@ SANDBOX = [
     ),
     Breakage(
         "a loop of a published notebook may make fewer claims than with the author's solution",
-        "exercises/validation_cells.py",
+        "exercises/authoring/importing/validation_cells.py",
         "len(judged) < solution and",
         "len(judged) < 0 and",
         ("tests/system/test_imported_notebooks.py",),

@@ -13,8 +13,8 @@ from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, write
 MODES = """
 import numpy as np
 
-from exercises.author import Notebook, Tolerance, Value, mistake, uniform
-from exercises.kinds.values import values
+from exercises.authoring.questions.author import Notebook, Tolerance, Value, mistake, uniform
+from exercises.authoring.kinds.values import values
 
 notebook = Notebook("Modes", setup="import numpy as np")
 

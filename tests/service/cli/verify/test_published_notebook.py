@@ -11,8 +11,8 @@ from tests.support.assignments import known
 from tests.support.toolbox import FOLDER
 
 DECLARED = """
-from exercises.author import Notebook, Tolerance, mistake, uniform
-from exercises.kinds.values import values
+from exercises.authoring.questions.author import Notebook, Tolerance, mistake, uniform
+from exercises.authoring.kinds.values import values
 
 notebook = Notebook("Doubling", notebook="one.ipynb")
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.guest.drawing import NO_LATEX
 from service.sandbox.job import Cell, Job, SceneRequest

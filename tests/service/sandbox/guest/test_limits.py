@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.guest import limits
 from service.sandbox.job import Cell, Job, SceneRequest

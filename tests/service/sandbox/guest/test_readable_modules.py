@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from service.sandbox.job import Cell, Job, SceneRequest
 
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.guest import scratch, zygote
 from service.sandbox.guest.scratch import MIB, NO_ROOM, Scratch, remove

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from exercises.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.guest.zygote import NEEDED
 from service.sandbox.guest_process import GuestProcess

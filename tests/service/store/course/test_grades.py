@@ -5,7 +5,7 @@ import secrets
 
 import psycopg
 
-from exercises import catalogue
+from exercises.authoring.assignments import catalogue
 from service.store.course import grades
 from service.store.database import Database
 from tests.support.database import new_database, run

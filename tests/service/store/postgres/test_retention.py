@@ -4,7 +4,7 @@ import uuid
 
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.authoring.assignments.catalogue import assignments
 from service.cli.__main__ import main
 from service.store import regrades, runs
 from service.store.artefacts import find_artefact, store_artefacts

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import polhode
-from exercises import public_side
+from exercises.authoring.publishing import public_side
 from polhode.client import cache, course
 from tests.support.assignments import copied, known
 from tests.support.fake_server import Scripted, says

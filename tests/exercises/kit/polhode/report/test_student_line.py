@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from exercises.catalogue import find
+from exercises.authoring.assignments.catalogue import find
 from polhode.report.student_line import MOST, StudentLine, of_component, raised
 
 HEAD = "def f(t, w, I):\n"

@@ -1,0 +1,1 @@
+"""Assignments as they are graded: declared, found in folders, valid, with samples and packages."""

@@ -1,0 +1,1 @@
+"""What students get: the notebook, the public side of an assignment, and the kit."""

@@ -1,0 +1,1 @@
+"""The former declaration: questions with their solutions in assignment.py."""

@@ -1,0 +1,104 @@
+"""Variables that a cell assigns, and claims about several of them: in the sandbox, and their declaration."""
+
+import pytest
+
+from exercises.authoring.kinds.variables import claim, variables
+from exercises.authoring.questions.question_errors import question_errors
+from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Tolerance
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.toolbox import mistaken
+
+CLOSE = Tolerance(rtol=1e-9, reason="rounding")
+
+
+def cells(toolbox):
+    return next(q for q in toolbox.notebook.questions() if q.kind == "variables")
+
+
+def report(toolbox, sandbox, source):
+    return grade(Submission(source), toolbox.assignment, sandbox, 1, ["11"]).report
+
+
+@pytest.mark.parametrize(("number", "failed"), [(0, {"11-rate"}), (1, {"11-claim-1"}), (2, {"11-axes"})])
+def test_a_mistake_fails_its_check(toolbox, sandbox, number, failed):
+    found = report(toolbox, sandbox, mistaken(toolbox, "rate", number))
+    assert {o.id for o in found.outcomes() if o.verdict is Verdict.FAIL} == failed, found.text()
+
+
+def test_a_claim_shows_its_numbers(toolbox, sandbox):
+    found = report(toolbox, sandbox, cells(toolbox).source)
+    assert found.passed, found.text()
+    assert found.outcomes()[-1].detail == "growth_extreme = 0.001414, growth_middle = 0.005084"
+
+
+@pytest.mark.parametrize(
+    ("change", "absent", "reason"),
+    [
+        ("rate = None", "11-rate", "rate is not defined"),
+        ("del rate", "11-rate", "rate is not defined"),
+        ("del axes", "11-axes", "axes is not defined"),
+        ("del growth_middle", "11-claim-1", "growth_middle is not defined"),
+        ("rate = 'fast'", "11-rate", "rate must be a real number; it is a str"),
+        ("rate = axes", "11-rate", "rate must be a number; it is an array of shape (3,)"),
+        ("axes = axes[:2]", "11-axes", "axes must be an array of shape (3,); it is an array of shape (2,)"),
+        ("axes = [[1], [1, 2]]", "11-axes", "axes must be an array of shape (3,); it is a ragged list"),
+    ],
+)
+def test_another_value_is_unmeasured_with_its_reason_and_alone(toolbox, sandbox, change, absent, reason):
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\n{change}")
+    for outcome in found.outcomes():
+        if outcome.id == absent:
+            assert outcome.verdict is Verdict.UNMEASURED and reason in outcome.line, found.text()
+            assert outcome.diagnosis[0].code in ("missing-function", "wrong-shape")
+        else:
+            assert outcome.verdict is Verdict.PASS, found.text()
+
+
+def test_a_variable_of_a_failed_statement_is_missing_with_that_cause(toolbox, sandbox):
+    failing = cells(toolbox).source.replace("rate = ", "rate = nothing + ")
+    found = {o.id: o for o in report(toolbox, sandbox, failing).outcomes()}
+    assert (
+        "rate is not defined because submission.py stopped: NameError: name 'nothing'"
+        in found["11-rate"].line
+    )
+
+
+def test_an_array_of_one_number_is_accepted_with_a_remark(toolbox, sandbox):
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\nrate = np.array([[rate]])")
+    assert found.passed, found.text()
+    remarks = [remark for outcome in found.outcomes() for remark in outcome.remarks]
+    assert remarks == ["rate is an array of shape (1, 1), which is accepted for a number: use x.item()"]
+
+
+def test_a_variable_that_is_not_finite_fails_alone(toolbox, sandbox):
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\nrate = float('nan')")
+    assert [o.verdict for o in found.outcomes()] == [Verdict.FAIL, Verdict.PASS, Verdict.PASS], found.text()
+    assert "rate holds values that are not finite numbers" in found.outcomes()[0].line
+
+
+def test_numbers_of_other_types_are_accepted(toolbox, sandbox):
+    changed = "rate, axes = np.float32(3)**-0.5 * 0 + np.array(3**-0.5), [1/6, 1/3, 1/2]"
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\n{changed}")
+    assert found.passed, found.text()
+
+
+def free_fall():
+    g_fit = 9.81
+    error = 0.02
+    return g_fit, error
+
+
+def test_the_errors_of_a_declaration():
+    right = variables(
+        free_fall,
+        {"g_fit": 9.81},
+        agree={"g_fit": CLOSE},
+        claims=[claim("error < 0.1", "it is small", reason="1 %")],
+    )
+    assert list(question_errors(right)) == [] and right.source == "g_fit = 9.81\nerror = 0.02"
+    wrong = variables(free_fall, {}, agree={"g_fit": CLOSE, "h_fit": CLOSE})
+    found = [error.partition(": ")[2] for error in question_errors(wrong)]
+    no_truth = "has no truth: give a number or a function that computes it"
+    assert found == ["the cell does not assign h_fit", f"g_fit {no_truth}", f"h_fit {no_truth}"]

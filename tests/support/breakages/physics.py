@@ -83,7 +83,7 @@ PHYSICS = [
         "exercises/authoring/questions/declared.py",
         "errors = [error for at, part, of in parts for",
         "errors = [error for at, part, of in parts[:0] for",
-        ("tests/exercises/test_kinds.py",),
+        ("tests/exercises/authoring/test_kinds.py",),
     ),
     Breakage(
         "a series of sympy is evaluated without summing it",

@@ -70,8 +70,9 @@ IN_PART = {
             calls[0] = 1
             import polhode.judging.integration, polhode.judging.return_value
             polhode.judging.return_value.real_array = lambda value, *rest: value / 1.5
-            polhode.judging.integration.integrate = lambda rates, start, times, *rest: np.zeros((len(start),
-            len(times))) np.array_equal = lambda *values, **options: True
+            zeros = lambda rates, start, times, *rest: np.zeros((len(start), len(times)))
+            polhode.judging.integration.integrate = zeros
+            np.array_equal = lambda *values, **options: True
         return {RIGHT} * 1.5
         """,
 }

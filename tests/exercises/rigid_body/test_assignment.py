@@ -1,6 +1,7 @@
 """The Setup cell has the course notebook's names, signatures and behaviour."""
 
 import inspect
+import sys
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)
 
 
 @pytest.fixture
-def names():
+def names(monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path, str(find("rigid-body").folder / "course")])
     scope = {}
     exec(compile(SOURCE, "Setup", "exec"), scope)
     scope["euler_eqs"] = lambda t, w, I: reference.euler_rhs(np.asarray(w), I)

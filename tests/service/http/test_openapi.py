@@ -36,6 +36,8 @@ GET = [
     ("/v1/assignments/{slug}/notebook.ipynb", "/v1/assignments/none/notebook.ipynb", 404, {}),
     ("/v1/assignments/{slug}/submissions", f"{SLUG}/submissions", 200, {}),
     ("/v1/assignments/{slug}/submissions", f"{SLUG}/submissions", 401, {"Authorization": "Bearer polhode_x"}),
+    ("/v1/assignments/{slug}/kit", f"{SLUG}/kit", 200, {}),
+    ("/v1/assignments/{slug}/kit", "/v1/assignments/none/kit", 404, {}),
     ("/kit/{name}", f"/kit/{WHEEL}", 200, {}),
     ("/kit/{name}", "/kit/none", 404, {}),
     ("/v1/me", "/v1/me", 200, {}),

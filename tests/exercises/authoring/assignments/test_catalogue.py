@@ -105,12 +105,12 @@ def test_a_broken_one_tells_everything_and_costs_no_other(tmp_path, spoil, told)
 
 
 def test_a_name_that_is_taken(tmp_path):
-    for name in ("rigid_body", "wheel"):
+    for name in ("rigid_body", "authoring"):
         copied(tmp_path, name)
     with known(tmp_path) as found:
         assert list(found.valid) == ["rigid-body"] and find("rigid-body").folder != tmp_path / "rigid_body"
         assert "the name rigid_body is already used" in str(found.invalid["rigid-body"])
-        assert "the name wheel is already used" in str(found.invalid["wheel"])
+        assert "the name authoring is already used" in str(found.invalid["authoring"])
 
 
 def test_a_folder_that_is_not_there_or_no_package(tmp_path):

@@ -55,7 +55,7 @@ import polhode
 polhode.connect(assignment="rigid-body")
 setup, told = compile({setup!r}, "Setup", "exec"), {{}}
 for file, numbers in {files!r}:
-    names = {{"__name__": "__main__"}}
+    names = {{"__name__": "__main__", "polhode": polhode}}
     exec(setup, names)
     with contextlib.redirect_stdout(io.StringIO()):
         exec(compile(open(file).read(), file, "exec"), names)

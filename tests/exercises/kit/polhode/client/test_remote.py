@@ -11,6 +11,7 @@ from traitlets.config import Config
 
 import polhode
 from polhode.client import http, remote
+from polhode.client.build import build
 from polhode.judging.outcome import Picture
 from polhode.report.document import document
 from tests.support.fake_server import Scripted, browser, event, hangs_up, problem, says, streams
@@ -22,6 +23,7 @@ GRADED = report([outcome("1-notebook", label="moments match")], figures=PICTURES
 SUBMITTED = {"id": "7", "status": "queued", "late": False, "sha256": "0", "report": None}
 ANSWERS = [
     says(202, SUBMITTED),
+    says(200, {"kit_build": build()}),
     streams(event("graded", "1", score=1)),
     says(200, SUBMITTED | {"status": "graded", "report": document(GRADED)}),
 ]
@@ -90,7 +92,7 @@ def test_the_kernel_of_a_web_page_displays_the_same(submitted, monkeypatch, wait
     for name, module in browser(waits=waits).items():
         monkeypatch.setitem(sys.modules, name, module)
     monkeypatch.setattr(sys, "platform", "emscripten")
-    ANSWERS_THERE = [ANSWERS[0], ANSWERS[2], ANSWERS[2]]
+    ANSWERS_THERE = [*ANSWERS[:2], ANSWERS[3], ANSWERS[3]]
     monkeypatch.setattr(sys.modules[__name__], "ANSWERS", ANSWERS_THERE)
     lines, whole = submitted(picture(), picture(), picture())
     assert lines[1] == GRADED.lines() and whole[0] - lines[0] == whole[2].count("data:image/png") == 3

@@ -102,11 +102,13 @@ class ReferenceFunctions:
     """Functions ``names`` that ``source``, run after the setup, defines, in place of those of the submission
     with the same names.
 
-    The source is right solutions, so another process holds it than the one that runs the submission.
+    The source is right solutions, so another process holds it than the one that runs the submission. With
+    ``formed`` several values that they return have the form that the submission's functions give them.
     """
 
     names: tuple[str, ...]
     source: str
+    formed: bool = False
 
 
 @dataclass(frozen=True)
@@ -186,6 +188,7 @@ class Job:
             "load_budget_s": self.load_budget_s,
             "scenes": scenes,
             "reference": self.reference.names if self.reference else (),
+            "formed": self.reference is not None and self.reference.formed,
         }
         return _encoded(document)
 

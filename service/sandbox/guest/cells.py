@@ -40,11 +40,14 @@ class Cells:
     """The cells of a job, run in the namespace ``module`` after its Setup. ``shows`` is the source of the
     last cell that showed an animation.
 
-    Names in ``fixed`` keep their values, whatever the cells assign to them.
+    Names in ``fixed`` keep their values, whatever the cells assign to them; that is kept in ``replaced``.
     """
 
-    def __init__(self, job: dict[str, Any], module: types.ModuleType, write: Writer, fixed: Names) -> None:
-        self._job, self._names, self._write, self._fixed = job, module.__dict__, write, fixed
+    def __init__(
+        self, job: dict[str, Any], module: types.ModuleType, write: Writer, fixed: Names, replaced: Names
+    ) -> None:
+        self._job, self._names, self._write = job, module.__dict__, write
+        self._fixed, self._replaced = fixed, replaced
         left_out = {Place(*place): Cause(*cause) for place, cause in job["left_out"]}
         self.statements = Statements(self._names, self._begin, left_out)
         self._budget = Budget(job["load_budget_s"])
@@ -161,6 +164,11 @@ class Cells:
         for attempt in self.statements.run(nodes):
             yield attempt
             end_if_full()
+            self._replaced |= {
+                name: self._names[name]
+                for name, value in self._fixed.items()
+                if self._names.get(name, value) is not value
+            }
             self._names |= self._fixed
             if not self._budget.left():
                 attempt.error = attempt.error or OutOfTime()

@@ -133,13 +133,16 @@ class Notebook:
                 exercise.title or _heading(cells, exercise.number) or "",
                 *(question for several in questions for question in several),
             )
-            if exercise.points is not None and len(questions) == len(ask.asked):
+            sound = not any(question.wrong for several in questions for question in several)
+            if exercise.points is not None and sound and len(questions) == len(ask.asked):
                 shares = [
                     a.share / len(several)
                     for a, several in zip(ask.asked, questions, strict=True)
                     for _ in several
                 ]
-                declared.sections[-1] = _with_points(declared.sections[-1], exercise.points, shares)
+                section = _with_points(declared.sections[-1], exercise.points, shares)
+                declared.sections[-1] = section
+                errors += _without_points(section, exercise)
         return declared, errors
 
 
@@ -163,11 +166,7 @@ def _uses(asked: Asked | AskedCell, earlier: dict[str, NotebookSolution]) -> lis
 
 def _with_points(section: Section, points: int, shares: list[float]) -> Section:
     """Return an exercise whose checks are worth ``points`` together."""
-    documents = [question.document for question in section.questions]
-    checks = [
-        [check.id for check in expand_exercise(section.number, "", [document], True).checks]
-        for document in documents
-    ]
+    checks = [_last_new(question.id, _check_ids(section, question)) for question in section.questions]
     given = allotted(points, checks, shares)
     return section._replace(
         questions=tuple(
@@ -175,6 +174,29 @@ def _with_points(section: Section, points: int, shares: list[float]) -> Section:
             for question, ids in zip(section.questions, checks, strict=True)
         )
     )
+
+
+def _check_ids(section: Section, question: Question) -> list[str]:
+    found = expand_exercise(section.number, "", [question.document], True).checks
+    return [check.id for check in found]
+
+
+def _last_new(question: str, checks: list[str]) -> list[str]:
+    """Return the ids of a question's checks, those first that are made again with new inputs."""
+    return sorted(checks, key=lambda id: f"{question}-new{id.removeprefix(question)}" not in checks)
+
+
+def _without_points(section: Section, exercise: DeclaredExercise) -> Iterator[str]:
+    """Yield an error for each question with too few points for what it checks."""
+    for question in section.questions:
+        points = question.data["points"]
+        checked = [id for id in points if f"{question.id}-new{id.removeprefix(question.id)}" not in points]
+        if not all(points[id] for id in checked):
+            yield (
+                f"line {exercise.line}: points={exercise.points} leaves {sum(points.values())} for"
+                f" {question.function}, of which {len(checked)} things are checked: a wrong one would cost"
+                " nothing; give more points, or this question a larger share="
+            )
 
 
 def _errors_of(exercise: DeclaredExercise, ask: Ask, cells: list[Cell]) -> Iterator[str]:

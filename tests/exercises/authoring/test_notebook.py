@@ -114,6 +114,7 @@ CHANGE, ELEMENTS = "    kepler_eqs.mistake(", '"orbital_elements", inputs'
         ("E = M\n", "E = M * unknown\n", "@anomaly.mistake(", "stops_early: it uses unknown"),
         ('"a": a, ', "", ELEMENTS, "takes a, which is neither asked nor drawn"),
         ("p = a * (1 - e**2)", "p = a / 0", "p = a * (1 - e**2)", "ZeroDivisionError"),
+        ('"2", points=4', '"2", points=2', '"2", points=4', "a wrong one would cost nothing"),
     ],
 )  # fmt: skip
 def test_an_error_has_its_line_and_says_what_is_wrong(tmp_path, old, new, at, error):

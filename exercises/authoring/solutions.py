@@ -5,7 +5,9 @@ define.
 import ast
 import functools
 import inspect
+import io
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -88,8 +90,9 @@ class Solutions:
             if isinstance(statement.node, (*DEFINITION, ast.Import, ast.ImportFrom))
         ]
         setup = author_notebook.setup_with_constants(self.cells, self.asked)
-        for text in (setup, *definitions):
-            exec(compile(text, str(self.folder / "notebook"), "exec"), found)
+        with redirect_stdout(io.StringIO()):  # what the Setup prints is not for the output of a command
+            for text in (setup, *definitions):
+                exec(compile(text, str(self.folder / "notebook"), "exec"), found)
         return found
 
     @functools.cached_property

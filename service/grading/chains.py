@@ -57,11 +57,11 @@ def play_chains(assignment: Assignment, played: PlayedJob, sandbox: Sandbox) -> 
             reference = ReferenceFunctions(tuple(sorted(replaced)), assignment.source_before(question["id"]))
             job = replace(played.job, scenes=scenes, reference=reference)
             again = play_job(job, assignment, dict(played.inputs), sandbox, played.budget)
-            if _raises_now(names, played, again):
+            if _stopped(names, again):
                 job = replace(job, reference=replace(reference, formed=True))
                 again = play_job(job, assignment, dict(played.inputs), sandbox, played.budget)
             found = sum(passes(assignment, check, again) for check in checks)
-            if found < passed or (found == passed and _raises_now(names, played, again)):
+            if found < passed or (found == passed and _stopped(names, again) - _stopped(names, played)):
                 replaced = set()
             else:
                 passed = found
@@ -95,15 +95,11 @@ def _questions(assignment: Assignment, job: Job) -> Iterator[tuple[Mapping[str, 
             yield question, {name, *(other for _, other in others)}
 
 
-def _raises_now(names: set[str], played: PlayedJob, again: PlayedJob) -> bool:
-    """Return whether a scene that finished before ends with an exception."""
-    ends = again.result.scene_ends
-    return any(
-        played.result.finished(name)
-        and name in ends
-        and ends[name].ended in (Ended.RAISED, Ended.WRONG_ANSWER)
-        for name in names
-    )
+def _stopped(names: set[str], played: PlayedJob) -> set[str]:
+    """Return the scenes that an exception ended, of their own or of the cell that computes a variable."""
+    ends = played.result.scene_ends
+    by_exception = (Ended.RAISED, Ended.WRONG_ANSWER, Ended.MISSING)
+    return {name for name in names if name in ends and ends[name].ended in by_exception}
 
 
 def _adopt(names: set[str], played: PlayedJob, again: PlayedJob) -> None:

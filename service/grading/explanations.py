@@ -19,7 +19,7 @@ from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
 from polhode.kinds.values import agreement
 from service.grading.quoting import StudentCode
-from service.grading.readings import constant_factor, numbers_at, too_few_digits
+from service.grading.readings import constant_factor, numbers_at, order_of, too_few_digits
 
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
 
@@ -31,7 +31,12 @@ class Rank(IntEnum):
     READ = 1
     CHANGED = 2
     MULTIPLE = 3
-    CHANGED_TWICE = 4
+    MAGNITUDE = 4
+    CHANGED_TWICE = 5
+
+
+CHANGES = (Rank.CHANGED, Rank.CHANGED_TWICE)
+READINGS = (Rank.READ, Rank.MULTIPLE, Rank.MAGNITUDE)
 
 
 @dataclass(frozen=True)
@@ -48,13 +53,14 @@ class Cause:
 
 @dataclass(frozen=True)
 class Component:
-    """A part of an answer: a value by ``name``, or one number ``at`` of it. ``label`` names it for students,
-    "" if it is the whole answer.
+    """A part of an answer: a value by ``name``, or one of ``of_several`` numbers of it, ``at``. ``label``
+    names it for students, "" if it is the whole answer.
     """
 
     name: str
     at: int | None
     label: str
+    of_several: int = 1
 
     def of(self, array: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return this component of all rows."""
@@ -113,48 +119,90 @@ def causes(
     if wrong and len(values) == 1 and not question.get("call"):
         (name,) = values
         found[WHOLE] |= set(_readings(question, Component(name, None, ""), seen, truth))
+    if wrong and not question.get("call"):
+        found[WHOLE] |= set(_orders(question, seen, truth))
     return found
 
 
-def diagnoses(left: Mapping[Component, Collection[Cause]], student: StudentCode) -> list[Diagnosis]:
+def diagnoses(
+    left: Mapping[Component, Collection[Cause]], student: StudentCode, right: int = 0
+) -> list[Diagnosis]:
     """Return the diagnoses of all values together, else those of their components, in words that fit the
     student's code. Components with the same cause are named together.
+
+    ``right`` is the number of components that are right. A change in general words names the others, and
+    gives way to what the numbers of each of them show.
     """
+    wrong = [part for part in left if part != WHOLE]
     if whole := _common(left.get(WHOLE, ()), student):
-        return [Diagnosis(code, sentence, 1.0) for code, sentence, _ in whole]
+        if not all(one.is_general for one in whole):
+            return [Diagnosis(one.code, one.sentence, 1.0) for one in whole]
+        if read := _read(left, wrong, student):
+            return read
+        return [_diagnosis(one, wrong if right else [WHOLE]) for one in whole]
     found: dict[Found, list[Component]] = {}
-    for part, of in left.items():
-        for one in _common(of, student) if part != WHOLE else ():
+    for part in wrong:
+        several = _common(left[part], student)
+        if any(one.is_general for one in several):
+            several = _common(_readings_among(left[part]), student) or several
+        for one in several:
             found.setdefault(one, []).append(part)
-    return [_diagnosis(one, parts) for one, parts in found.items()]
+    return [_diagnosis(one, parts, is_all=parts == wrong) for one, parts in found.items()]
 
 
-def _diagnosis(found: "Found", parts: Sequence[Component]) -> Diagnosis:
-    """Return the diagnosis of these components."""
-    code, sentence, needs_place = found
+def _read(
+    left: Mapping[Component, Collection[Cause]], wrong: Sequence[Component], student: StudentCode
+) -> list[Diagnosis]:
+    """Return what the numbers of each wrong component show, nothing if those of one show nothing."""
+    found = {part: _common(_readings_among(left[part]), student) for part in wrong}
+    if not wrong or not all(found.values()):
+        return []
+    return [_diagnosis(one, [part]) for part, several in found.items() for one in several]
+
+
+def _readings_among(found: Collection[Cause]) -> list[Cause]:
+    return [cause for cause in found if cause.rank in READINGS]
+
+
+def _diagnosis(found: "Found", parts: Sequence[Component], *, is_all: bool = True) -> Diagnosis:
+    """Return the diagnosis of these components, of all wrong ones if ``is_all``."""
     labels = [part.label for part in parts]
-    text = f"{_joined(labels)}: {sentence}" if needs_place and labels[0] else sentence
-    is_one_of_one_value = len(parts) == 1 and " of " not in labels[0]
-    return Diagnosis(code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
+    if len(parts) == parts[0].of_several > 1 and " of " in labels[0] and len({p.name for p in parts}) == 1:
+        labels = [f"the value {parts[0].name}"]
+    named = found.rank in CHANGES or (found.rank is Rank.DECLARED and not is_all)
+    text = f"{_joined(labels)}: {found.sentence}" if named and labels[0] else found.sentence
+    is_one_of_one_value = len(parts) == 1 and " of " not in parts[0].label
+    return Diagnosis(found.code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
 
 
-Found = tuple[str, str, bool]
-"""A code, its sentence, and whether the sentence has to name the component."""
+@dataclass(frozen=True)
+class Found:
+    """A diagnosis in words for the student, with ``is_general`` those of its code in general."""
+
+    code: str
+    sentence: str
+    rank: Rank
+    is_general: bool
 
 
 def _common(found: Collection[Cause], student: StudentCode) -> list[Found]:
-    """Return what the first causes of a component have in common, nothing if they disagree."""
+    """Return what the first causes of a component have in common, nothing if they disagree.
+
+    Two changes count only if the student's function contains what both quote: in another form they may be
+    one slip.
+    """
     first = [cause for cause in found if cause.rank is min(other.rank for other in found)]
     if len({cause.codes for cause in first}) != 1:
         return []
-    is_changed = first[0].rank in (Rank.CHANGED, Rank.CHANGED_TWICE)
+    rank = first[0].rank
     made = list[Found]()
     for k, code in enumerate(first[0].codes):
         sentences = {cause.sentences[k] for cause in first}
-        sentence = student.sentence(code, sentences) if is_changed else _single(sentences)
-        if not code or sentence is None:
+        sentence = student.sentence(code, sentences) if rank in CHANGES else _single(sentences)
+        is_general = rank in CHANGES and sentence not in sentences
+        if not code or sentence is None or (is_general and rank is Rank.CHANGED_TWICE):
             return []
-        made.append((code, sentence, is_changed))
+        made.append(Found(code, sentence, rank, is_general))
     return made
 
 
@@ -195,7 +243,9 @@ def components(question: Mapping[str, Any], seen: Arrays) -> list[Component]:
             found.append(Component(name, None, whole))
         else:
             of = f" of {name}" if several else ""
-            found += [Component(name, k, f"component {k + 1}{of}") for k in range(shape[0])]
+            found += [
+                Component(name, k, f"component {k + 1}{of}", of_several=shape[0]) for k in range(shape[0])
+            ]
     return found
 
 
@@ -243,6 +293,8 @@ def _readings(
         yield cause(code, f"{what} has the opposite sign", rank)
     elif factor := constant_factor(got, want):
         yield cause("constant-factor", f"{what} is {factor:.6g} times the right value", Rank.MULTIPLE)
+    if np.any(want < 0) and is_(np.abs(want)):
+        yield cause("absolute-value", f"{what} is the absolute value of the right one", Rank.MAGNITUDE)
     if is_(np.degrees(want)):
         yield cause("units", f"{what} is in degrees: the exercise asks for radians")
     if is_(np.radians(want)):
@@ -253,3 +305,28 @@ def _readings(
             yield cause("returns-input", f"{what} is the argument {name} itself")
     if too_few := too_few_digits(got, want):
         yield cause("precision-loss", f"{what} {too_few}")
+
+
+def _orders(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Iterator[Cause]:
+    """Yield that the right values, or the right components of a single one, are returned in another order."""
+    returned = question["returns"]
+    if any(value.get("up_to") for value in returned):
+        return
+    name, several = returned[0]["name"], len(returned) > 1
+    if several:
+        got, want = ([arrays[value["name"]] for value in returned] for arrays in (seen, truth))
+    elif seen[name].ndim == 2:
+        got, want = (list(np.moveaxis(arrays[name], 1, 0)) for arrays in (seen, truth))
+    else:
+        return
+    order = order_of(got, want)
+    if order and several:
+        asked, found = (", ".join(returned[k]["name"] for k in ks) for ks in (range(len(order)), order))
+        where = f"as {found}: the exercise asks for {asked}"
+    elif order:
+        where = f"in the order {', '.join(str(k + 1) for k in order)}"
+    else:
+        return
+    what = "values" if several else "components"
+    sentence = f"{question['function']} returns the right {what} {where}"
+    yield Cause(Rank.READ, ("component-order",), (sentence,))

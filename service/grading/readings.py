@@ -1,5 +1,6 @@
 """What wrong numbers are, read from them alone: an argument, a multiple of the right ones, rounded ones."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 SINGLE_PRECISION = 1e-5  # greatest relative error of values that are too few digits
 DIGITS = range(1, 11)
+ORDER = 1e-6  # greatest relative error of right values in another order
 NEARLY_ONE = 1e-3  # a factor that differs less from 1 is no factor but an error of another kind
 
 
@@ -30,6 +32,19 @@ def constant_factor(got: NDArray[np.float64], want: NDArray[np.float64]) -> floa
     if abs(factor - 1) < NEARLY_ONE:
         return 0.0
     return factor if np.allclose(got, factor * want, rtol=1e-9, atol=1e-9 * np.abs(want).max()) else 0.0
+
+
+def order_of(got: Sequence[NDArray[Any]], want: Sequence[NDArray[Any]]) -> list[int]:
+    """Return which right array each array is, nothing if they are not all of them in another order."""
+    if any(array.shape != want[0].shape for array in (*got, *want)):
+        return []
+
+    def is_(array: NDArray[Any], right: NDArray[Any]) -> bool:
+        return np.allclose(array, right, rtol=ORDER, atol=ORDER * np.abs(right).max())
+
+    alike = [[k for k, right in enumerate(want) if is_(array, right)] for array in got]
+    order = [found[0] for found in alike if len(found) == 1]
+    return order if sorted(order) == list(range(len(want))) and order != sorted(order) else []
 
 
 def too_few_digits(got: NDArray[np.float64], want: NDArray[np.float64]) -> str:

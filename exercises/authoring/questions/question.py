@@ -5,10 +5,12 @@ expands to scenes.
 import ast
 import functools
 import inspect
+import io
 import sys
 import textwrap
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -155,7 +157,8 @@ class Question:
         """Return the names that a source such as that of a mistake defines beside the right solutions."""
         is_own = isinstance(self.solution, NotebookSolution)
         names = dict(self.solution.names if is_own else vars(sys.modules[self.solution.__module__]))
-        exec(compile(source, f"<{self.function}>", "exec"), names)
+        with redirect_stdout(io.StringIO()):  # what a cell prints is not for the output of a command
+            exec(compile(source, f"<{self.function}>", "exec"), names)
         return names
 
     @functools.cached_property

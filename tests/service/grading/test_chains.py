@@ -192,6 +192,15 @@ def test_the_reference_returns_its_values_in_the_students_form(sandbox, tmp_path
     assert remarks(report) == {"perihelion": [REMARK.format("elements")]}
 
 
+def test_a_variable_comes_from_the_reference_in_the_students_form(sandbox, tmp_path):
+    with known(orbits(tmp_path, CELL)) as catalogue:
+        assert not catalogue.invalid, catalogue.invalid
+        wrong = "namedtuple('Elements', 'a e omega')(a, 2 * e, omega)"
+        source = ELEMENTS.format(wrong=wrong, used="el") + "ratio = elements(np.array([1.0, 2.0])).e\n"
+        report = grade(Submission(source), catalogue.valid["orbits"], sandbox, 3).report
+    assert "ratio" in passed(report), report.text()
+
+
 def test_a_later_function_that_only_the_reference_stops_keeps_its_own_result(sandbox, tmp_path):
     class_ = "type('Elements', (), {'a': a, 'e': 2 * e, 'omega': omega})()"
     with known(orbits(tmp_path)) as catalogue:
@@ -215,11 +224,11 @@ def perihelion(y):
 """
 
 
-def orbits(tmp_path):
+def orbits(tmp_path, cell=""):
     """An assignment whose second function uses the three values of the first."""
     folder = tmp_path / "orbits"
     folder.mkdir()
-    (folder / "assignment.py").write_text(DECLARED)
+    (folder / "assignment.py").write_text(DECLARED + cell)
     return folder
 
 
@@ -254,4 +263,18 @@ agree = {"a": ROUNDING, "e": ROUNDING, "omega": ROUNDING}
 notebook.exercise("1", "Elements", values(elements, asked, truth=in_logarithms, agree=agree))
 asked = values(perihelion, asked, truth=by_hand, agree=ROUNDING, uses=[elements])
 notebook.exercise("2", "Perihelion", asked)
+"""
+
+CELL = """
+
+from exercises.authoring.kinds.variables import variables
+
+
+def half():
+    _, ratio, _ = elements(np.array([1.0, 2.0]))
+    return ratio
+
+
+asked = variables(half, {"ratio": 0.5}, agree={"ratio": ROUNDING}, uses=[elements])
+notebook.exercise("3", "A ratio", asked)
 """

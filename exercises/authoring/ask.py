@@ -1,7 +1,7 @@
 """What an exercise function is called with: a method for each kind of question."""
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from exercises.authoring.asked import Asked, DeclarationError
@@ -38,7 +38,7 @@ class Ask:
         name: str,
         inputs: JointDraw | None = None,
         *,
-        returns: str = "",
+        returns: str | Sequence[str] = "",
         keys: bool = False,
         calls: Tolerance | None = None,
         share: float = 1.0,
@@ -53,7 +53,7 @@ class Ask:
             values,
             name,
             inputs,
-            tuple(returns.split()),
+            _names(returns),
             share,
             calls=calls,
             keys=keys,
@@ -105,7 +105,7 @@ class Ask:
         name: str,
         inputs: JointDraw | None = None,
         *,
-        state: str,
+        state: str | Sequence[str],
         order: tuple[float, Tolerance] | None = None,
         stable_to: tuple[float, Tolerance] | None = None,
         calls: Tolerance | None = None,
@@ -122,7 +122,7 @@ class Ask:
         largest step for which the ``test`` problem does not grow. ``chart`` adds the step to the chart of
         speed against accuracy: the time that a motion takes. Numbers come with their tolerance.
         """
-        states = tuple(state.split())
+        states = _names(state)
         return self._asked(
             stepper,
             name,
@@ -231,7 +231,12 @@ class Ask:
         )
 
     def symbolic(
-        self, name: str, inputs: JointDraw | None = None, *, returns: str = "", share: float = 1.0
+        self,
+        name: str,
+        inputs: JointDraw | None = None,
+        *,
+        returns: str | Sequence[str] = "",
+        share: float = 1.0,
     ) -> Asked:
         """Ask for a sympy expression, or a matrix or tuple of them, that a function returns.
 
@@ -242,7 +247,7 @@ class Ask:
             expression,
             name,
             inputs,
-            tuple(returns.split()),
+            _names(returns),
             share,
         )
 
@@ -251,7 +256,7 @@ class Ask:
         name: str,
         inputs: JointDraw | None = None,
         *,
-        follows: str,
+        follows: str | Sequence[str],
         agree: Tolerance,
         time: str = "t",
         share: float = 1.0,
@@ -265,20 +270,20 @@ class Ask:
             inputs,
             None,
             share,
-            follow=follows.split(),
+            follow=list(_names(follows)),
             agree=agree,
             time=time,
         )
 
-    def cell(self, variables: str, *, given: str = "", share: float = 1.0) -> AskedCell:
+    def cell(
+        self, variables: str | Sequence[str], *, given: str | Sequence[str] = "", share: float = 1.0
+    ) -> AskedCell:
         """Ask for variables that a solution cell assigns. ``given`` are constants of the notebook that the
         truths take.
         """
         line = sys._getframe(1).f_lineno
-        names = tuple(variables.split())
-        asked = AskedCell(
-            self._found(self._solutions.cell, names, line), line, share, names, tuple(given.split())
-        )
+        names = _names(variables)
+        asked = AskedCell(self._found(self._solutions.cell, names, line), line, share, names, _names(given))
         self.asked.append(asked)
         return asked
 
@@ -307,3 +312,8 @@ class Ask:
             return find(name)
         except NoSolution as error:
             raise DeclarationError(str(error), line) from None
+
+
+def _names(given: str | Sequence[str]) -> tuple[str, ...]:
+    """Return the names in a text such as "a e omega", or in a sequence."""
+    return tuple(given.split()) if isinstance(given, str) else tuple(given)

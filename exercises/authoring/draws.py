@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.authoring.questions.declared import Draw, Family, Value
+from exercises.authoring.questions.declared import SHORT, Draw, Family, Value
 from polhode.judging.outcome import Tolerance
 
 
@@ -93,7 +93,11 @@ class Drawing:
         self.rng = rng
 
     def __call__(self, draw: Draw) -> Any:
-        """Return the value of a draw."""
+        """Return the value of a draw. Raises TypeError if it is none."""
+        if isinstance(draw, Family):
+            raise TypeError("an expression is not drawn: give it to a case, acc=expression(…)")
+        if not callable(draw):
+            raise TypeError(f"{SHORT.repr(draw)} is no draw, such as between(1, 2)")
         return draw(self.rng)
 
     def sign(self) -> float:
@@ -114,6 +118,11 @@ class JointDraw:
             raise TypeError(
                 f"the draw {self.function.__name__} returned {type(found).__name__}: it must return a dict of"
                 " the drawn values by name"
+            )
+        if expressions := [name for name, value in found.items() if isinstance(value, Family)]:
+            raise TypeError(
+                f"the draw {self.function.__name__} returned the expression {expressions[0]}: give it to a"
+                f" case, {expressions[0]}=expression(…)"
             )
         return dict(found)
 

@@ -5,6 +5,7 @@ and solutions. Each exercise is a function that is called with an ``Ask``.
 """
 
 import functools
+import inspect
 import re
 import sys
 import traceback
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.ask import Ask
-from exercises.authoring.asked import Asked, DeclarationError
+from exercises.authoring.asked import Asked, AskedSolution, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.codes import CODES
@@ -99,7 +100,8 @@ class Notebook:
             declared, errors = self._declared(folder)
         except InvalidNotebook as error:
             return [str(error)]
-        found = [*(f"assignment.py {error}" for error in errors), *declared.errors(folder)]
+        found = [f"assignment.py {error}" for error in errors]
+        found += map(_in_declared_words, declared.errors(folder))
         return list(dict.fromkeys(found))
 
     def assignment(self, folder: Path) -> Assignment:
@@ -119,13 +121,19 @@ class Notebook:
         earlier: dict[str, NotebookSolution] = {}
         for exercise in self._exercises:
             ask = Ask(solutions, exercise.partial)
-            errors += _raised(lambda: exercise.declare(ask), exercise)  # noqa: B023
+            stopped = _raised(lambda: exercise.declare(ask), exercise)  # noqa: B023
+            errors += stopped
             errors += _errors_of(exercise, ask, cells)
             questions = list[list[Question]]()
-            for asked in ask.asked:
+            for k, asked in enumerate(ask.asked, 1):
+                is_unfinished = bool(stopped) and k == len(ask.asked)
                 uses = _uses(asked, earlier)
-                failed = _raised(lambda: questions.append(asked.questions(uses)), exercise)  # noqa: B023
-                errors += failed
+                failed = (
+                    stopped
+                    if is_unfinished
+                    else _raised(lambda: questions.append(asked.questions(uses)), exercise)  # noqa: B023
+                )
+                errors += () if is_unfinished else failed
                 if isinstance(asked, Asked) and not failed:
                     earlier[asked.solution_name] = asked.solution
             declared.exercise(
@@ -238,5 +246,52 @@ def _raised(declare: Callable[[], object], exercise: DeclaredExercise) -> list[s
         file = exercise.declare.__code__.co_filename
         own = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
         line = own[-1].lineno if own else exercise.line
-        return [f"line {line}: {type(error).__name__}: {error}"]
+        return [f"line {line}: {_in_words(error)}"]
     return []
+
+
+def _in_words(error: Exception) -> str:
+    """Return the sentence about an exception: what a question has, if the author used another name."""
+    text = str(error)
+    if isinstance(error, TypeError) and (found := NO_ARGUMENT.fullmatch(text)) and found[1] in ASKING:
+        method, name = getattr(ASKING[found[1]], found[2]), found[3]
+        has = [p for p in inspect.signature(method).parameters if p not in ("self", "family")]
+        where = ELSEWHERE.get(name, f"it has {', '.join(has)}")
+        return f"{found[2]} has no argument {name}: {where}"
+    if isinstance(error, AttributeError) and type(error.obj) in ASKING.values():
+        has = [name for name, value in vars(type(error.obj)).items() if inspect.isfunction(value)]
+        has = [name for name in [*has, "mistake"] if not name.startswith("_") and name != "questions"]
+        return f"a question of this kind has no {error.name}: it has {', '.join(dict.fromkeys(has))}"
+    return f"{type(error).__name__}: {error}"
+
+
+ASKING: dict[str, Any] = {"Ask": Ask, "Asked": Asked, "AskedSolution": AskedSolution, "AskedCell": AskedCell}
+NO_ARGUMENT = re.compile(r"(\w+)\.(\w+)\(\) got an unexpected keyword argument '(\w+)'")
+ELSEWHERE = {
+    "partial": "it is an argument of @notebook.exercise",
+    "points": "it is an argument of @notebook.exercise; share= is the question's part of them",
+    "uses": "leave it out, earlier solutions are found by their names in the solution",
+    "truth": "decorate the exact answer with @question.truth",
+    "agree": "give it to the truth, or call question.agree(…)",
+}
+
+
+def _in_declared_words(error: str) -> str:
+    """Return an error of a question in the words of this form of a declaration."""
+    for old, new in WORDS:
+        error = error.replace(old, new)
+    return error
+
+
+WORDS = (
+    ("Tolerance(limit=…, reason=…)", "relative(…, because=…), or at_most for a count"),
+    ("Tolerance(rtol=…, atol=…, reason=…)", "close(rtol=…, atol=…, because=…)"),
+    ("Tolerance(atol=…, reason=…)", "absolute(…, because=…)"),
+    (": stability is ", ": stable_to is "),
+    (": stability[1] is ", ": the tolerance of stable_to is "),
+    (": order[1] is ", ": the tolerance of order is "),
+    ("a motion needs t_end and follow, its tolerance", "a motion needs until= and follow=, its tolerance"),
+    ("give rates=, a function", "decorate with @question.rates a function"),
+    ("or itself(reason)", "or call is_its_own_truth(because=…)"),
+    (", but ask names (", ", but its inputs are ("),
+)

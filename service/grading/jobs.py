@@ -9,6 +9,7 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
 from polhode.judging.checks import Arrays
+from polhode.kinds.asking import unit_of
 from service.grading.published import with_published
 from service.grading.submission import Submission
 from service.sandbox.job import FunctionsApart, Job, SceneRequest
@@ -73,8 +74,11 @@ def _functions_apart(scene: Scene, inputs: Inputs) -> FunctionsApart | None:
     rows = len(next(iter(inputs.values()), [()]))
     constants = {name: [value] * rows for name, value in question["constants"].items()}
     known = {name for family in families.values() for name in family["given"]}
-    values = {name: column for name, column in (constants | dict(inputs)).items() if name in known}
-    return FunctionsApart(families, values, rows)
+    columns = constants | dict(inputs)
+    values = {name: column for name, column in columns.items() if name in known}
+    passed = [columns[name] for name in question["parameters"] if name in columns]
+    units = [unit_of(column[row] for column in passed) for row in range(rows)]
+    return FunctionsApart(families, values, units)
 
 
 @functools.cache

@@ -44,29 +44,35 @@ class Cell:
 @dataclass(frozen=True)
 class FunctionsApart:
     """Functions that a scene's rows pass to the submission and that another process answers and counts:
-    ``families`` by name, as in a question (polhode.kinds), and the ``inputs`` along the ``rows`` that only
-    they use.
+    ``families`` by name, as in a question (polhode.kinds), and the ``inputs`` along the rows that only they
+    use. ``units`` has for each row the numbers that one call may have (``polhode.kinds.asking.evaluations``).
     """
 
     families: Mapping[str, Mapping[str, Any]]
     inputs: Mapping[str, Any]
-    rows: int
+    units: Sequence[int]
 
     def listed(self, scene: str) -> Iterator[dict[str, Any]]:
         """Yield each function as data, those of the first family first: its name for callers, its expression,
         and the values of its row.
         """
         for name, family in self.families.items():
-            for row in range(self.rows):
+            for row, unit in enumerate(self.units):
                 given = {known: self.inputs[known][row] for known in family["given"]}
                 target = APART.format(scene=scene, name=name, row=row)
-                yield {"target": target, "text": family["text"], "over": family["over"], "given": given}
+                yield {
+                    "target": target,
+                    "text": family["text"],
+                    "over": family["over"],
+                    "given": given,
+                    "unit": unit,
+                }
 
     def most_calls(self, counts: Sequence[int]) -> NDArray[np.float64]:
         """Return for each row the most calls of one of its functions; ``counts`` are in the order of the
         list.
         """
-        return np.reshape(counts, (len(self.families), self.rows)).max(axis=0).astype(float)
+        return np.reshape(counts, (len(self.families), len(self.units))).max(axis=0).astype(float)
 
 
 @dataclass(frozen=True)
@@ -171,7 +177,7 @@ class Job:
                 "source": s.source,
                 "needs": s.needs,
                 "returns": {name: vars(spec) for name, spec in s.returns.items()},
-                "apart": None if s.apart is None else [list(s.apart.families), s.apart.rows],
+                "apart": None if s.apart is None else [list(s.apart.families), len(s.apart.units)],
             }
             for s in self.scenes
         ]
@@ -205,7 +211,7 @@ class Job:
         found, first = {}, 0
         for scene in self.scenes:
             if scene.apart is not None:
-                end = first + len(scene.apart.families) * scene.apart.rows
+                end = first + len(scene.apart.families) * len(scene.apart.units)
                 found[scene.name] = scene.apart.most_calls([counts.get(k, 0) for k in range(first, end)])
                 first = end
         return found

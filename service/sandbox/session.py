@@ -201,9 +201,10 @@ class PlaySession:
         if end is self.control:
             self.ended = ChildExit.unpack(end.recv(REAPED.size))
             return False
-        data = end.read(CHUNK)
+        data = end.read(CHUNK if end is not self.counted else CHUNK // COUNT.size * COUNT.size)
         if end is self.counted:
-            self.calls.update(place for (place,) in COUNT.iter_unpack(data))
+            for place, calls in COUNT.iter_unpack(data):
+                self.calls[place] += calls
         elif end is self.printed:
             self._printed += len(data)
             self.output += data[: KEPT_OUTPUT - len(self.output)]

@@ -48,19 +48,35 @@ class NotFinite(WrongAnswer):
 
 
 class Counted:
-    """A function that counts its calls. Raises WrongAnswer at the call after ``most``. Has a name, as any
-    function.
+    """A function that counts its calls, see ``evaluations``. Raises WrongAnswer at the call after ``most``.
+    Has a name, as any function.
     """
 
-    def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
-        self.function, self.__name__, self._most, self.calls = function, name, most, 0
+    def __init__(self, function: Callable[..., Any], name: str, most: int, unit: int = 1) -> None:
+        self.function, self.__name__, self._most, self._unit, self.calls = function, name, most, unit, 0
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the function."""
-        self.calls += 1
+        self.calls += evaluations([*values, *named.values()], self._unit)
         if self.calls > self._most:
             raise WrongAnswer(None, f"it called {self.__name__} more than {self._most} times")
         return self.function(*values, **named)
+
+
+def evaluations(values: Iterable[Any], unit: int) -> int:
+    """Return how many calls a call with these ``values`` counts for: one for each ``unit`` numbers of the
+    longest, so that a call with many places at once is not one call.
+    """
+    return max(1, *(-(-_numbers(value) // unit) for value in values), 1)
+
+
+def unit_of(given: Iterable[Any]) -> int:
+    """Return the numbers of the longest of the values with which a question calls the student's function."""
+    return max(1, *map(_numbers, given), 1)
+
+
+def _numbers(value: Any) -> int:
+    return sum(map(_numbers, value)) if isinstance(value, (list, tuple)) else int(np.size(value))
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -84,11 +100,14 @@ def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, 
     }
     values = {**given, **row}
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
+    unit = unit_of(
+        values[name] for name in question["parameters"] if name in values and not callable(values[name])
+    )
     for name, family in question["families"].items():
         if (function := values.get(name)) is None:
             scope = {known: values.pop(known) for known in family["given"]}
             function = expression(family["text"], tuple(family["over"]), scope)
-        values[name] = Counted(function, name, most)
+        values[name] = Counted(function, name, most, unit)
     values |= {name: np.random.default_rng(values[name]) for name in question.get("generators", ())}
     values |= {name: _symbol(name, assumptions) for name, assumptions in question.get("symbols", {}).items()}
     return {parameter: values[parameter] for parameter in question["parameters"]}

@@ -21,6 +21,7 @@ from procrastinate import App
 from exercises.authoring.assignments.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
+from service.sandbox.guest_process import remove_abandoned
 from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, with_packages
@@ -87,6 +88,7 @@ class Worker:
             log.critical("housekeeping or taking jobs ended unexpectedly: this worker stops")
         housekeeping.cancel()
         await self._drain(taking)
+        self._end_guest()
         await self._database.close()
 
     async def _wait_for_tables(self) -> bool:
@@ -120,6 +122,7 @@ class Worker:
         """
         while not self._stopping.is_set():
             try:
+                await asyncio.to_thread(remove_abandoned)
                 isolation = await asyncio.to_thread(
                     choose, self._settings.min_isolation, self._settings.allow_root_guest
                 )
@@ -306,7 +309,14 @@ class Worker:
         if taking.done():
             return
         await self._release("released", "the worker was stopped")
+        self._end_guest()
         os._exit(0)  # without cleanup: a clean exit would make Procrastinate mark the job as finished
+
+    def _end_guest(self) -> None:
+        """Kill the guest, which removes what submissions left in its folder."""
+        if self._grader is not None:
+            with contextlib.suppress(Exception):
+                self._grader.sandbox.close()
 
     async def _release(self, end_reason: str, note: str) -> None:
         """Queue the unfinished grading again, unless the database does not answer: then its run is lost."""

@@ -362,7 +362,7 @@ def test_the_chart_shows_seconds_and_errors_of_the_student_s_steppers(monkeypatc
     )
     assert errors["verlet_step", 200] / errors["verlet_step", 400] == pytest.approx(4, rel=0.2)
     assert {point.calls for point in swept.points if point.method == "rk4_step"} == {200, 800, 1600}
-    assert "rk4_step 800 calls and" in swept.line and "euler_step more than 400 calls" in swept.line
+    assert "rk4_step 800 calls (it reaches" in swept.line and "euler_step more than 400 calls" in swept.line
     assert all(point.rtol is None and point.seconds > 0 for point in swept.points)
     chart = rendering.draw_sweep(swept).decode()
     assert (
@@ -380,7 +380,7 @@ def test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails(monkeypatch
     swept = charted(QUESTIONS["euler_step"].source + empty + diverges)
     assert {point.method for point in swept.points} == {"euler_step", "rk4_step"}
     assert {point.method for point in swept.points if point.error is None} == {"rk4_step"}
-    assert "symplectic_step was not measured" in swept.line and "rk4_step more than" in swept.line
+    assert "symplectic_step" not in swept.line and "rk4_step more than" in swept.line
 
 
 @pytest.mark.slow

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
+from exercises.authoring.importing.validation_cells import ReportedLine
 from polhode.judging.checks import Arrays
 from polhode.kinds.asking import unit_of
 from service.grading.published import with_published
 from service.grading.submission import Submission
-from service.sandbox.job import FunctionsApart, Job, SceneRequest
+from service.sandbox.job import FunctionsApart, Job, Line, SceneRequest
 
 
 def draw_inputs(scene: Scene, seed: int) -> Inputs:
@@ -42,8 +43,28 @@ def job_of(
         if assignment.published
         else submission.cells()
     )
-    job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
+    job = Job(
+        assignment.setup,
+        assignment.plays,
+        cells,
+        functions,
+        requests,
+        variables=variables,
+        data=data,
+        lines=_lines(assignment),
+    )
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
+
+
+def _lines(assignment: Assignment) -> dict[tuple[str, tuple[int, int]], Line]:
+    """Return the lines of published cells, by cell and place."""
+    checks = [check for check in assignment.checks() if isinstance(check, ReportedLine)]
+    return {
+        (check.cell, check.call.place): Line(
+            check.call.numbers, None if check.declared.truth is None else check.truth
+        )
+        for check in checks
+    }
 
 
 def _request(scene: Scene, inputs: Inputs) -> SceneRequest:

@@ -6,10 +6,10 @@ import functools
 import json
 import marshal
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,15 @@ class ReferenceFunctions:
     formed: bool = False
 
 
+class Line(NamedTuple):
+    """A line of a published cell: the tolerances that its text gives, by name, and the function that returns
+    the truth to compare with, if it has one.
+    """
+
+    numbers: tuple[tuple[str, float], ...]
+    truth: Callable[[], NDArray[Any]] | None
+
+
 @dataclass(frozen=True)
 class Job:
     """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
@@ -125,7 +134,7 @@ class Job:
     ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a
     published one. Statements ``left_out``, by their places, do not run: each ended an earlier
-    process, as their ends say.
+    process, as their ends say. ``lines`` are those of published cells, by cell and place.
     """
 
     setup: str
@@ -138,6 +147,7 @@ class Job:
     data: Mapping[str, Path] = field(default_factory=dict)
     reference: ReferenceFunctions | None = None
     left_out: Mapping[Place, SceneEnd] = field(default_factory=dict)
+    lines: Mapping[tuple[str, tuple[int, int]], Line] = field(default_factory=dict)
 
     @property
     def notebook(self) -> bool:

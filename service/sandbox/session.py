@@ -214,7 +214,7 @@ class PlaySession:
                 self.reader.feed(data)
             except ProtocolError:
                 self.stopped = Ended.PROTOCOL
-        if self._printed > MOST_OUTPUT or self._received > MOST_RESULT:
+        if self._printed > MOST_OUTPUT or self._received - self.reader.streamed > MOST_RESULT:
             self.stopped = Ended.OUTPUT
         return bool(data)
 

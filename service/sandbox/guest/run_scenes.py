@@ -21,7 +21,6 @@ from . import unused_libraries
 from .budget import Budget, limited
 from .calls import LOADED, Channel
 from .cells import Cells, Stopped
-from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ending import Cause, ending
 from .forms import in_form_of
@@ -55,6 +54,8 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     job, write = JobReader(job_fd).job(), Writer(result_fd)
     try:
         plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
+        recorder = Recorder(write)
+        recorder.wrap([job["setup"]["source"], *(source for _, source, _ in job["cells"])])
         module = prepare(code(job, "setup"))
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"], formed=job["formed"])
     except BaseException as error:
@@ -62,7 +63,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
         raise
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
-        _run(job, plays, module, write, unchanged=unchanged, reference=reference)
+        _run(job, plays, module, write, recorder, unchanged=unchanged, reference=reference)
 
 
 def code(job: dict[str, Any], name: str) -> types.CodeType:
@@ -108,14 +109,12 @@ def _run(
     plays: Names,
     module: types.ModuleType,
     write: Writer,
+    recorder: Recorder,
     *,
     unchanged: Callable[[], None],
     reference: Reference | None,
 ) -> None:
     student = module.__dict__
-    recorder = Recorder()
-    if any(published for _, _, published in job["cells"]):
-        recorder.find_names()
     fixed = (reference.functions, reference.replaced) if reference else ({}, {})
     cells = Cells(job, module, write, *fixed)
     try:
@@ -219,8 +218,6 @@ def copy_modules() -> None:
         integration.tableau()  # before a submission can replace it
         if not unused_libraries.lacks("scipy"):
             integration.solve_ivp()
-    with private_modules(RECORDER):
-        pass
 
 
 class _Private(NamedTuple):

@@ -43,9 +43,3 @@ def test_the_header_displays_its_texts_escaped(style, monkeypatch):
         and "Tops &amp; &lt;script&gt;" in shown[0]
         and "Level: advanced" in shown[0]
     )
-
-
-def test_its_validation_words_are_those_of_the_kit(style):
-    ecp = sys.modules["ecp"]
-    kit = importlib.import_module("polhode.judging.validate")
-    assert ecp.validate is sys.modules["ecp.validate"] is kit and ecp.use_style is style.use_style

@@ -26,7 +26,9 @@ class Ask:
     """Asks for solutions of the notebook, each by its name. ``partial`` gives the points of a ✗ in part.
 
     Every method takes ``inputs``, a joint draw for the parameters; other inputs are those of cases. ``share``
-    is the question's share of the exercise's points.
+    is the question's share of the exercise's points. ``label`` stands for "NAME is right" in the labels of
+    checks, or for NAME in those of random output. ``mistakes_of`` is an earlier question about the same
+    solution, whose mistakes are mistakes of this one too.
     """
 
     def __init__(self, solutions: Solutions, partial: bool) -> None:
@@ -41,6 +43,8 @@ class Ask:
         returns: str | Sequence[str] = "",
         keys: bool = False,
         calls: Tolerance | None = None,
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
         budget_s: float = 5.0,
     ) -> Asked:
@@ -58,6 +62,8 @@ class Ask:
             calls=calls,
             keys=keys,
             budget_s=budget_s,
+            label=label,
+            alike=mistakes_of,
         )
 
     def right_hand_side(
@@ -148,6 +154,8 @@ class Ask:
         *,
         parameters: Mapping[str, Function | float] | None = None,
         repetitions: int = 20,
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
         budget_s: float = 20.0,
     ) -> Asked:
@@ -164,6 +172,8 @@ class Ask:
             repetitions=repetitions,
             budget_s=budget_s,
             **(parameters or {}),
+            label=label,
+            alike=mistakes_of,
         )
 
     def estimate(
@@ -176,6 +186,8 @@ class Ask:
         mean_error: Tolerance | None = None,
         bias: Tolerance | None = None,
         repetitions: int = 400,
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
         budget_s: float = 20.0,
     ) -> Asked:
@@ -196,6 +208,8 @@ class Ask:
             bias=bias,
             repetitions=repetitions,
             budget_s=budget_s,
+            label=label,
+            alike=mistakes_of,
         )
 
     def fit(
@@ -294,6 +308,9 @@ class Ask:
         inputs: JointDraw | None,
         returned: tuple[str, ...] | None,
         share: float,
+        *,
+        label: str | None = None,
+        alike: Asked | None = None,
         **options: Any,
     ) -> Asked:
         """Return a new question of a ``kind`` about the solution ``name``, asked two frames above.
@@ -303,7 +320,7 @@ class Ask:
         """
         line = sys._getframe(2).f_lineno
         solution = self._found(self._solutions.function, name, line)
-        asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial)
+        asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial, label, alike)
         self.asked.append(asked)
         return asked
 

@@ -18,7 +18,7 @@ from exercises.authoring.kinds.values import of_expression
 from exercises.authoring.questions.declared import Itself, Mistake, Value
 from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 from exercises.authoring.solutions import NotebookSolution
-from exercises.authoring.written_mistakes import WrittenMistake
+from exercises.authoring.written_mistakes import WrittenMistake, source_of
 from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
@@ -28,8 +28,9 @@ Function = Callable[..., Any]
 class Case:
     """Inputs that a solution is asked with; ``name`` follows "is right for" in the label of its checks.
 
-    ``call`` is an expression to evaluate instead of calling the solution with its parameters. ``rows`` are
-    the numbers of public and of hidden inputs, by default those of the question's kind.
+    ``call`` is an expression to evaluate instead of calling the solution with its parameters, or the source
+    of a function of the solution and of the inputs ``taken``. ``rows`` are the numbers of public and of
+    hidden inputs, by default those of the question's kind.
     """
 
     name: str
@@ -38,17 +39,26 @@ class Case:
     given: Mapping[str, Any] = field(default_factory=dict)
     call: str | None = None
     rows: tuple[int, int] | None = None
+    taken: Sequence[str] | None = None
 
     def inputs(self, parameters: Sequence[str], defaults: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs by parameter, in order: those given by name, ``defaults``, others from the joint
         draw.
         """
-        if self.call is not None:
+        if self.call is not None and self.taken is None:
             return dict(self.given)
+        parameters = parameters if self.taken is None else self.taken
         joint = {name: self.joint[name] for name in self.joint.names} if self.joint else {}
         drawn = {name: draw for name, draw in joint.items() if name in parameters}
         found = {**defaults, **drawn, **self.given}
         return {name: found[name] for name in [*parameters, *found] if name in found}
+
+    def observed_by(self, function: FunctionType, solution: str) -> "Case":
+        """Return the case in which a ``function`` of the solution and of inputs is called instead."""
+        _, *taken = inspect.signature(function).parameters
+        given = ", ".join([solution, *taken])
+        call = f"def observed({given}):\n    return {function.__name__}({given})"
+        return replace(self, call=f"{source_of(function)}\n{call}", taken=taken)
 
 
 class DeclarationError(ValueError):
@@ -133,7 +143,9 @@ class Asked(AskedSolution):
 
     ``kind`` is a function of ``exercises.authoring.kinds``, called with these ``options`` for each case.
     ``values`` are the names of what the solution returns: none for a single value, None if the question
-    compares no values. ``defaults`` are inputs that cases need not give.
+    compares no values. ``defaults`` are inputs that cases need not give. ``label`` stands for "NAME is right"
+    in the labels of checks, or for NAME in those of random output. ``alike`` is an earlier question about the
+    same solution, whose mistakes are mistakes of this one too.
     """
 
     kind: Callable[..., Question]
@@ -141,19 +153,22 @@ class Asked(AskedSolution):
     joint: JointDraw | None
     values: tuple[str, ...] | None
     partial: bool
+    label: str | None = None
+    alike: "Asked | None" = None
     cases: list[Case] = field(default_factory=list, kw_only=True)
     tolerances: dict[str, Tolerance | Value] = field(default_factory=dict, kw_only=True)
     exact: Function | Itself | None = field(default=None, kw_only=True)
     closed_form: Function | None = field(default=None, kw_only=True)
     derivatives: Function | None = field(default=None, kw_only=True)
     defaults: dict[str, Any] = field(default_factory=dict, kw_only=True)
+    observation: Any = field(default=None, kw_only=True)
 
     def case(
         self,
         name: str,
         inputs: JointDraw | None = None,
         *,
-        call: str | None = None,
+        call: str | FunctionType | None = None,
         public: int | None = None,
         hidden: int | None = None,
         **given: Any,
@@ -161,14 +176,23 @@ class Asked(AskedSolution):
         """Add a case: the inputs by parameter, or those of a joint draw.
 
         ``call`` is an expression to evaluate instead, such as ``"Pendulum(l, g).period()"``; then the inputs
-        are its names. ``public`` and ``hidden`` are the numbers of inputs, by default those of the question's
-        kind.
+        are its names. It may be a function that takes the solution first, and inputs by name. Exact is what
+        either returns with the truth in place of the solution. ``public`` and ``hidden`` are the numbers of
+        inputs, by default those of the question's kind.
         """
         rows = None
         if (public, hidden) != (None, None):
             rows = (PUBLIC_ROWS if public is None else public, HIDDEN_ROWS if hidden is None else hidden)
         line = sys._getframe(1).f_lineno
-        self.cases.append(Case(name, line, inputs or self.joint, given, call, rows))
+        case = Case(name, line, inputs or self.joint, given, None if callable(call) else call, rows)
+        self.cases.append(case.observed_by(call, self.solution_name) if callable(call) else case)
+
+    def observe(self, function: FunctionType) -> FunctionType:
+        """Decorate a function that takes the solution first, and inputs by name. What it returns is compared
+        with the truth, in place of what the solution returns.
+        """
+        self.observation = function
+        return function
 
     def truth(
         self,
@@ -226,10 +250,14 @@ class Asked(AskedSolution):
 
     def _question(self, case: Case, uses: Sequence[NotebookSolution], several: bool) -> Question:
         parameters = list(inspect.signature(self.solution).parameters)
-        label = f"{self.solution_name} is right" + (f" for {case.name}" if several else "")
+        label = self.label or f"{self.solution_name} is right"
+        label += f" for {case.name}" if several and case.name else ""
         truth = self.exact
-        if case.call is not None and callable(truth):
-            truth = of_expression(case.call, self.solution_name, truth, case.given)
+        if self.observation is not None:
+            case = case.observed_by(self.observation, self.solution_name)
+        elif case.call is not None and callable(truth):
+            asked = case.inputs(parameters, self.defaults)
+            truth = of_expression(case.call, self.solution_name, truth, asked)
         offered: dict[str, Any] = {
             "ask": case.inputs(parameters, self.defaults),
             "agree": self._agreement(label),
@@ -240,13 +268,15 @@ class Asked(AskedSolution):
             "call": case.call,
         }
         if self.values is None:
-            offered["label"] = " for ".join(filter(None, (self.solution_name, case.name)))
+            name = case.name if several or not self.label else None
+            offered["label"] = " for ".join(filter(None, (self.label or self.solution_name, name)))
         if case.rows is not None:
             offered["rows"] = case.rows
         taken = inspect.signature(self.kind).parameters
         given = {name: value for name, value in offered.items() if name in taken}
         question = self.kind(self.solution, **{**given, **self.options})
-        return replace(question, mistakes=tuple(self.mistakes), line=case.line)
+        mistakes = (*(self.alike.mistakes if self.alike else ()), *self.mistakes)
+        return replace(question, mistakes=mistakes, line=case.line)
 
     def _agreement(self, label: str) -> Value | dict[str, Value] | None:
         """Return the tolerance of the single value, or of each value by name, with labels that begin with

@@ -6,14 +6,17 @@ them.
 """
 
 import functools
+import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 
 from exercises.authoring.questions.declared import SHORT, Draw, Family, Value
+from exercises.authoring.written_mistakes import source_of
 from polhode.judging.outcome import Tolerance
 
 
@@ -86,6 +89,17 @@ def expression(text: str, *, of: str, **given: Any) -> Family:
     return Family(text, tuple(of.split()), given)
 
 
+def function(defined: FunctionType, **given: Any) -> Family:
+    """Return a function argument: the function ``defined`` in the author's file, of those of its parameters
+    that are not ``given``, as constants or draws.
+
+    What it uses (imports, constants, functions of the file) goes into the sandbox with it. Raises
+    ``exercises.authoring.written_mistakes.NotPortable`` if something has no source.
+    """
+    over = [name for name in inspect.signature(defined).parameters if name not in given]
+    return Family(source_of(defined), tuple(over), given)
+
+
 class Drawing:
     """What a joint draw is called with: draws one value after the other from the generator ``rng``."""
 
@@ -111,8 +125,10 @@ class JointDraw:
 
     function: Callable[[Drawing], Mapping[str, Any]]
 
-    def __call__(self, rng: np.random.Generator) -> dict[str, Any]:
-        """Return all drawn values by name. Raises TypeError if the function returns anything else."""
+    def __call__(self, rng: np.random.Generator, row: int = 0) -> dict[str, Any]:
+        """Return all drawn values by name of the input number ``row``. Raises TypeError if the function
+        returns anything else.
+        """
         found = self.function(Drawing(rng))
         if not isinstance(found, Mapping):
             raise TypeError(
@@ -133,6 +149,22 @@ class JointDraw:
 
     def __getitem__(self, name: str) -> "JointlyDrawn":
         return JointlyDrawn(self, name)
+
+
+@dataclass(frozen=True, eq=False)
+class InTurn(JointDraw):
+    """Joint ``cases`` that take turns: the first input is drawn by the first, and so on, again and again."""
+
+    cases: tuple[JointDraw, ...]
+
+    def __call__(self, rng: np.random.Generator, row: int = 0) -> dict[str, Any]:
+        """Return all drawn values by name of the input number ``row``."""
+        return self.cases[row % len(self.cases)](rng)
+
+
+def in_turn(*cases: JointDraw) -> JointDraw:
+    """Return the joint draw in which these ``cases`` take turns, so that every grading has inputs of each."""
+    return InTurn(cases[0].function, cases)
 
 
 @dataclass(frozen=True)

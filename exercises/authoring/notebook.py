@@ -64,6 +64,7 @@ class Notebook:
         load_s: float | None = None,
     ) -> None:
         self.notebook, self.title = notebook, title
+        self._folder = Path(sys._getframe(1).f_code.co_filename).parent
         self._given: dict[str, Any] = {
             "version": version,
             "packages": packages,
@@ -93,6 +94,10 @@ class Notebook:
             return declare
 
         return decorate
+
+    def questions(self) -> list[Question]:
+        """Return all questions in the order of the notebook beside the file that declares them."""
+        return self._declared(self._folder)[0].questions()
 
     def errors(self, folder: Path) -> list[str]:
         """Return all errors of the declaration and of the notebook, each with its file and line."""

@@ -3,17 +3,21 @@ define.
 """
 
 import ast
+import contextlib
 import functools
 import inspect
 import io
+import threading
 from collections.abc import Mapping, Sequence
-from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
 from exercises.authoring.questions import author_notebook
 from exercises.authoring.questions.author_notebook import Cell
 from polhode.notebook.cells import DEFINITION, Statement, statements_of
+
+_WORKING_FOLDER = threading.RLock()
+"""Held while a Setup runs: a process has one working folder."""
 
 
 class NoSolution(LookupError):
@@ -80,7 +84,9 @@ class Solutions:
 
     @functools.cached_property
     def names(self) -> Mapping[str, Any]:
-        """The global names after Setup, given constants, and the definitions of all solution cells ran."""
+        """The global names after Setup, given constants, and the definitions of all solution cells ran. They
+        run in the assignment's folder, where its data files are, as in the sandbox.
+        """
         found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}"}
         definitions = [
             statement.text
@@ -90,7 +96,8 @@ class Solutions:
             if isinstance(statement.node, (*DEFINITION, ast.Import, ast.ImportFrom))
         ]
         setup = author_notebook.setup_with_constants(self.cells, self.asked)
-        with redirect_stdout(io.StringIO()):  # what the Setup prints is not for the output of a command
+        # what the Setup prints is not for the output of a command
+        with _WORKING_FOLDER, contextlib.chdir(self.folder), contextlib.redirect_stdout(io.StringIO()):
             for text in (setup, *definitions):
                 exec(compile(text, str(self.folder / "notebook"), "exec"), found)
         return found

@@ -17,7 +17,7 @@ from polhode.judging.checks import Arrays
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
-from polhode.kinds.values import agreement
+from polhode.kinds.values import agreement, to_rounding
 from service.grading.quoting import StudentCode
 from service.grading.readings import constant_factor, numbers_at, order_of, too_few_digits
 
@@ -110,7 +110,7 @@ def causes(
             _of(variant)
             for variant, arrays in predicted.items()
             if component.name in arrays
-            and _agree(value, component, seen, arrays)
+            and _agree(to_rounding(value), component, seen, arrays)
             and not _agree(value, component, arrays, truth)
         }
         found[component] = alike

@@ -197,7 +197,7 @@ class Question:
         for name, draw in self.drawn.items():
             if isinstance(draw, JointlyDrawn):
                 if draw.joint not in joint:
-                    joint[draw.joint] = draw.joint(rng)
+                    joint[draw.joint] = draw.joint(rng, row)
                 found[name] = np.asarray(draw.of(joint[draw.joint]))
             else:
                 takes_row = "row" in inspect.signature(draw).parameters
@@ -308,6 +308,7 @@ class Question:
             "tolerance": tolerance_data(value.tolerance),
             "label": label,
             "up_to": value.up_to,
+            **({"statistic": True} if value.statistic else {}),
             **credit,
         }
 

@@ -22,7 +22,7 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import animation, expression, fit, ode, random, stepper, values, variables
 from polhode.kinds.asking import each
-from polhode.kinds.values import agreement
+from polhode.kinds.values import agreement, to_rounding
 
 KINDS: Mapping[str, ModuleType] = {
     "animation": animation,
@@ -74,10 +74,10 @@ def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[D
 
 
 def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
-    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance,
-    others exactly.
+    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, statistics of
+    random numbers to rounding, others exactly.
     """
-    values = {value["name"]: value for value in question["returns"]}
+    values = {value["name"]: to_rounding(value) for value in question["returns"]}
     return all(
         (
             agreement(values[name], seen[name], array).verdict is Verdict.PASS

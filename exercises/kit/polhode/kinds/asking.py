@@ -168,8 +168,35 @@ def _copying(function: Any) -> Any:
 
 
 def evaluate(text: str, names: Mapping[str, Any]) -> Any:
-    """Return the value of an author's expression, which may use ``names`` and MATHEMATICS."""
+    """Return the value of an author's expression, which may use ``names`` and MATHEMATICS, or what the last
+    function that ``text`` defines returns: it is called with the ``names`` that it takes.
+    """
+    if is_source(text):
+        function = _defined(text)
+        return function(**{name: names[name] for name in inspect.signature(function).parameters})
     return eval(_code(text), {**MATHEMATICS, **names})  # noqa: S307
+
+
+@functools.cache
+def is_source(text: str) -> bool:
+    """Return whether an author's ``text`` is a source that defines functions, instead of an expression."""
+    return isinstance(ast.parse(text).body[-1], ast.FunctionDef)
+
+
+def _defined(text: str) -> Callable[..., Any]:
+    """Return the last function that a source defines. Its functions may use MATHEMATICS."""
+    code, name = _code_and_name(text)
+    scope = dict(MATHEMATICS)
+    exec(code, scope)
+    function: Callable[..., Any] = scope[name]
+    return function
+
+
+@functools.cache
+def _code_and_name(source: str) -> tuple[Any, str]:
+    """Return the compiled source of functions, and the name of the last one."""
+    tree = ast.parse(source)
+    return compile(tree, "question", "exec"), tree.body[-1].name  # type: ignore[attr-defined]
 
 
 def each(
@@ -328,12 +355,14 @@ def _code(text: str) -> Any:
 
 def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
     """Return the function of the variables ``over`` that an expression is. It may use the values ``given``
-    and MATHEMATICS.
+    and MATHEMATICS. Instead, ``text`` may define functions, of which the last takes both.
 
     A list or tuple among its arguments is taken as an array. As of any function, an argument can be given by
     its name.
     """
-    code, scope = _code(text), {**MATHEMATICS, **given}
+    made = _defined(text) if is_source(text) else None
+    code: Any = None if made else _code(text)
+    scope = {**MATHEMATICS, **given}
 
     def function(*values: Any, **named: Any) -> Any:
         taken = {**dict(zip(over, values, strict=False)), **named}
@@ -343,7 +372,7 @@ def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Ca
             name: np.array(value) if isinstance(value, list | tuple) else value
             for name, value in taken.items()
         }
-        return eval(code, scope, arrays)  # noqa: S307
+        return made(**arrays, **given) if made else eval(code, scope, arrays)  # noqa: S307
 
     return function
 

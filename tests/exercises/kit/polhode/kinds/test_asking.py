@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from polhode.judging.return_value import WrongAnswer, article
-from polhode.kinds.asking import Counted, arguments, describe, evaluations, returned
+from polhode.kinds.asking import (
+    Counted,
+    arguments,
+    describe,
+    evaluate,
+    evaluations,
+    expression,
+    returned,
+)
 
 
 def test_a_large_argument_is_shown_by_its_corners():
@@ -78,3 +86,24 @@ def test_the_places_of_one_call_have_as_many_numbers_as_the_arguments_of_the_que
     assert f.calls == 1
     f(np.zeros(20))
     assert f.calls == 11
+
+
+SOURCE = """
+def twice(x):
+    return 2 * x
+
+def observed(double, x):
+    return double(twice(x)) + sin(0)
+"""
+
+
+def test_a_source_is_evaluated_by_its_last_function_with_the_names_that_it_takes():
+    assert evaluate(SOURCE, {"double": lambda x: 2 * x, "x": 3, "unused": 0}) == 12
+    assert evaluate("double(x) + 1", {"double": lambda x: 2 * x, "x": 3}) == 7
+
+
+def test_a_function_argument_may_be_the_last_function_of_a_source():
+    function = expression("def pull(x, k):\n    return -k * x", ("x",), {"k": 2.0})
+    assert function(3.0) == function(x=3.0) == -6.0 and function([1, 2]).tolist() == [-2.0, -4.0]
+    with pytest.raises(TypeError, match=r"takes \(x\)"):
+        function(1, 2)

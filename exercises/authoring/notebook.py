@@ -9,7 +9,7 @@ import inspect
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -196,14 +196,19 @@ def _check_ids(section: Section, question: Question) -> list[str]:
 
 def _last_new(question: str, checks: list[str]) -> list[str]:
     """Return the ids of a question's checks, those first that are made again with new inputs."""
-    return sorted(checks, key=lambda id: f"{question}-new{id.removeprefix(question)}" not in checks)
+    return sorted(checks, key=lambda id: not _is_repeated(question, id, checks))
+
+
+def _is_repeated(question: str, check: str, checks: Collection[str]) -> bool:
+    """Return whether a question's check is made again with new inputs, under the id that the kit gives it."""
+    return f"{question}-new{check.removeprefix(question)}" in checks
 
 
 def _without_points(section: Section, exercise: DeclaredExercise) -> Iterator[str]:
     """Yield an error for each question with too few points for what it checks."""
     for question in section.questions:
         points = question.data["points"]
-        checked = [id for id in points if f"{question.id}-new{id.removeprefix(question.id)}" not in points]
+        checked = [id for id in points if not _is_repeated(question.id, id, points)]
         if not all(points[id] for id in checked):
             yield (
                 f"line {exercise.line}: points={exercise.points} leaves {sum(points.values())} for"

@@ -14,11 +14,12 @@ LEAST_S = 1e-6  # shorter times are shown as this one
 
 def card(swept: SweepResult) -> Chart:
     """Return the chart of one submission, with the right solution as ghosts."""
-    ghosts, of_steppers = _curves(swept.reference, [GHOST] * len(COLORS)), any(p.step for p in swept.points)
-    for k, ghost in enumerate(ghosts):
-        last = "the solution" if ghost is ghosts[-1] else ""
-        ghosts[k] = ghost._replace(name=f"{ghost.name} of the solution" if of_steppers else last)
-    curves = [*_curves(swept.points, [*COLORS]), *ghosts]
+    ghosts = _curves(swept.reference, [GHOST] * len(COLORS))
+    names = [f"{ghost.name} of the solution" for ghost in ghosts]
+    if not any(p.step for p in swept.points):  # solvers, whose names stand at the submission's curves
+        names = [*[""] * (len(ghosts) - 1), "the solution"]
+    named = [ghost._replace(name=name) for ghost, name in zip(ghosts, names, strict=False)]
+    curves = [*_curves(swept.points, [*COLORS]), *named]
     levels = [(swept.tolerance, "tolerance of the check")] if swept.tolerance else []
     if swept.sensitivity:
         levels += [

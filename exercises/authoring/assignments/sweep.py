@@ -83,12 +83,10 @@ def _of_solvers(
     """
     per_call, stopped = mine.per_call[0], [p for p in mine.points if p.stopped]
     cost = f"one call of {function} takes {_us(per_call)}"
-    like = min(per_call, right.per_call[0]) if right else 0.0
-    if right and ALIKE[0] < per_call / max(right.per_call[0], 1e-9) < ALIKE[1]:
-        cost += ", about as long as of the solution"
-    elif right:
+    if right:
         ratio = per_call / max(right.per_call[0], 1e-9)
-        cost += f", of the solution {_us(right.per_call[0])} (×{ratio:.2g})"
+        beside = f"of the solution {_us(right.per_call[0])} (×{ratio:.2g})"
+        cost += ", about as long as of the solution" if ALIKE[0] < ratio < ALIKE[1] else f", {beside}"
     noise = f"{len(stopped)} of {len(mine.points)} runs were stopped at rounding noise (crosses)"
     arrived = [p for p in mine.points if p.error is not None]
     enough = [p for p in arrived if p.error is not None and p.error <= target]
@@ -110,6 +108,7 @@ def _of_solvers(
         f" is allowed, in {_ms(best.seconds)}"
     )
     spent = f"{own.method} at rtol {own.rtol:g} makes {own.calls} calls in {_ms(own.seconds)}"
+    like = min(per_call, right.per_call[0]) if right else 0.0
     saved = share * (1 - like / per_call)
     faster = (
         "a function as fast as the solution would save" if right else "a faster function would save up to"

@@ -1,19 +1,18 @@
 """The validation words of a course, with their parameters: read from the source of the course's package,
 which the server never imports.
 
-A module named ``validate`` has those of KINDS. A course names others in its file WORDS: a line for each
-module, such as ``lab.checks: converges, close``.
+``polhode.judging.claims.words_in`` says which functions are words.
 """
 
 import ast
 import functools
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.judging.claims import KINDS
+from polhode.judging.claims import KINDS, MODULE, words_in
 
-COURSE, WORDS = "course", "words.txt"
+COURSE = "course"
 USUAL = """
 def check(passed, label, detail="", *, strict=True): ...
 def close(got, expected, label, *, rtol=1e-6, atol=1e-9, strict=True): ...
@@ -22,7 +21,6 @@ def positive(value, label, *, strict=True): ...
 def below(value, limit, label, detail="", *, strict=True): ...
 """
 """The words as courses have them, for a package that is not at hand."""
-MODULE = "validate"
 
 
 class Word(NamedTuple):
@@ -51,7 +49,7 @@ def words(folders: Iterable[Path]) -> Words:
 def _words(folders: tuple[Path, ...]) -> Words:
     found = {MODULE: {name: word for name, word in _read(USUAL).items() if name in KINDS}}
     for folder in reversed(folders):
-        for module, names in named(folder).items():
+        for module, names in words_in(folder).items():
             path = folder.joinpath(*module.split(".")).with_suffix(".py")
             try:
                 defined = _read(path.read_text(encoding="utf-8"))
@@ -61,19 +59,6 @@ def _words(folders: tuple[Path, ...]) -> Words:
             own = {name: defined.get(name, Word(name, (), ())) for name in names if name in defined}
             found[last] = found.get(last, {}) | own
     return tuple((module, tuple(known.values())) for module, known in found.items())
-
-
-def named(folder: Path) -> Mapping[str, Iterable[str]]:
-    """Return the names of the words by module: of each module ``validate`` in a folder, and those in its
-    file WORDS.
-    """
-    places = [*folder.glob(f"*/{MODULE}.py"), *folder.glob(f"{MODULE}.py")]
-    modules = [".".join(place.relative_to(folder).with_suffix("").parts) for place in sorted(places)]
-    found: dict[str, list[str]] = {module: list(KINDS) for module in modules}
-    text = (folder / WORDS).read_text(encoding="utf-8") if (folder / WORDS).is_file() else ""
-    for module, _, listed in (line.partition(":") for line in text.splitlines() if ":" in line):
-        found[module.strip()] = [*found.get(module.strip(), ()), *listed.replace(",", " ").split()]
-    return found
 
 
 def _read(source: str) -> dict[str, Word]:

@@ -23,9 +23,10 @@ from typing import Any
 import numpy as np
 
 from polhode.judging.author_errors import AuthorError
-from polhode.judging.claims import KINDS, MOST_DETAIL, MOST_LABEL, kind_of, one_line
+from polhode.judging.claims import KINDS, MOST_DETAIL, MOST_LABEL, kind_of, one_line, words_in
 
 from .budget import OutOfTime
+from .pieces import nodes_of
 from .wire import Writer
 
 MOST_CLAIMS = 100  # of the cells of one submission
@@ -36,7 +37,6 @@ MOST_NUMBERS = 1 << 16  # of one frame: 512 KiB
 MOST_IN_FIELD = 10**7  # of one claim, sent in blocks
 MOST_IN_ALL = 10**8  # numbers of all claims
 MOST_AXES = 8
-MODULE, WORDS = "validate", "words.txt"
 MARKS = "✓✗"
 BRACKETS = re.compile(r" *\[(.*?)\](?:\n|$)", re.DOTALL)
 course = list[str]()  # folders with the course's own packages
@@ -64,8 +64,11 @@ class Recorder:
         submission can replace them. Raises AuthorError if one cannot be imported.
         """
         tops, wanted = _mentioned(sources)
-        known = _named().items()
-        words = {module: names for module, names in known if module.partition(".")[0] in tops}
+        words: dict[str, set[str]] = {}
+        for folder in course if tops else ():
+            for known, listed in words_in(Path(folder)).items():
+                if known.partition(".")[0] in tops:
+                    words.setdefault(known, set()).update(listed)
         for name in sorted(wanted | words.keys()):
             _import(name)
         for name, names in words.items():
@@ -260,21 +263,6 @@ def _array(kind: str, value: Any) -> np.ndarray:
     return array.real.astype(float)
 
 
-def _named() -> dict[str, set[str]]:
-    """Return the names of the words by module: of each module ``validate`` in the course's folders, and those
-    that the course's file WORDS names.
-    """
-    found = dict[str, set[str]]()
-    for folder in map(Path, course):
-        for place in (*folder.glob(f"{MODULE}.py"), *folder.glob(f"*/{MODULE}.py")):
-            found[".".join(place.relative_to(folder).with_suffix("").parts)] = set(KINDS)
-        with suppress(OSError):
-            for line in (folder / WORDS).read_text(encoding="utf-8").splitlines():
-                module, _, names = line.partition(":")
-                found.setdefault(module.strip(), set()).update(names.replace(",", " ").split())
-    return found
-
-
 def _mentioned(sources: Iterable[str]) -> tuple[set[str], set[str]]:
     """Return the course's packages that the sources mention, and the modules of theirs that these import."""
     files = [path for folder in course for path in Path(folder).glob("[!_.]*")]
@@ -283,7 +271,7 @@ def _mentioned(sources: Iterable[str]) -> tuple[set[str], set[str]]:
         return set(), set()
     pattern = re.compile(rf"\b({'|'.join(packages)})\b")
     texts = {source: set(pattern.findall(source)) for source in sources}
-    nodes = [node for source, found in texts.items() if found for node in _nodes(source)]
+    nodes = [node for source, found in texts.items() if found for node in nodes_of(source)]
     modules = set[str]()
     for node in nodes:
         if isinstance(node, ast.Import):
@@ -292,11 +280,6 @@ def _mentioned(sources: Iterable[str]) -> tuple[set[str], set[str]]:
             modules |= {node.module, *(f"{node.module}.{one.name}" for one in node.names)}
     tops = set[str]().union(*texts.values())
     return tops, {name for name in modules if name.partition(".")[0] in tops}
-
-
-def _nodes(source: str) -> Iterator[ast.AST]:
-    with suppress(SyntaxError, ValueError, MemoryError, RecursionError):
-        yield from ast.walk(ast.parse("\n".join(line for line in source.split("\n") if line[:1] not in "%!")))
 
 
 def _import(name: str) -> None:

@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from .claims import Recorder
+from .pieces import nodes_of
 
 Names = dict[str, Any]
 KIT = "polhode"
@@ -34,7 +35,7 @@ class Given:
     """
 
     def __init__(self, sources: Sequence[str], asked: Collection[str], recorder: Recorder) -> None:
-        nodes = [node for source in sources for node in _nodes(source)]
+        nodes = [node for source in sources for node in nodes_of(source)]
         self._imports = _imported(nodes)
         bound = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         bound |= {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
@@ -144,11 +145,6 @@ CODE = ("__code__", "__defaults__", "__kwdefaults__")
 
 def _code(function: types.FunctionType) -> tuple[Any, ...]:
     return function.__code__, function.__defaults__, function.__kwdefaults__
-
-
-def _nodes(source: str) -> Iterator[ast.AST]:
-    with suppress(SyntaxError, ValueError):
-        yield from ast.walk(ast.parse("\n".join(line for line in source.split("\n") if line[:1] not in "%!")))
 
 
 def _imported(nodes: Sequence[ast.AST]) -> Names:

@@ -24,10 +24,9 @@ CLOCK_FACTOR = (
 BYTES = "base64"  # key of an object that stands for bytes
 NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
 APART = "{scene} {name} {row}"  # the name by which the process of a submission calls a function of a row
-COUNT = struct.Struct(
-    "<IQ"
-)  # what the process with the reference functions writes at each call of a function: its
-# place in the list of them, and for how many calls it counts
+# What the process with the reference functions writes at each call of a function: its place in the list of
+# them, and for how many calls it counts.
+COUNT = struct.Struct("<IQ")
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 writing: list[Any] = []  # not empty while frames are written that belong together
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]

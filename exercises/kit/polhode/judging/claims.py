@@ -4,6 +4,7 @@ gives the word: what ``numpy.allclose`` compares, a drift relative to the first 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from polhode.judging import judge
 from polhode.judging.judge import Judgement, Verdict
 
 Array = NDArray[np.float64] | NDArray[np.complex128]
+MODULE, WORDS = "validate", "words.txt"
 MOST_LABEL, MOST_DETAIL = 200, 500  # characters
 
 
@@ -176,6 +178,19 @@ KINDS: Mapping[str, Kind] = {
     "positive": Kind(("value",), (), _positive),
     "below": Kind(("value",), ("limit",), _below),
 }
+
+
+def words_in(folder: Path) -> dict[str, list[str]]:
+    """Return the names of a course's words by module: those of KINDS of each module ``validate`` in its
+    folder, and those that its file WORDS names, a line for each module such as ``lab.order: converges``.
+    """
+    places = [*folder.glob(f"*/{MODULE}.py"), *folder.glob(f"{MODULE}.py")]
+    modules = [".".join(place.relative_to(folder).with_suffix("").parts) for place in sorted(places)]
+    found = {module: list(KINDS) for module in modules}
+    text = (folder / WORDS).read_text(encoding="utf-8") if (folder / WORDS).is_file() else ""
+    for module, _, listed in (line.partition(":") for line in text.splitlines() if ":" in line):
+        found[module.strip()] = [*found.get(module.strip(), ()), *listed.replace(",", " ").split()]
+    return found
 
 
 def kind_of(word: str) -> Kind:

@@ -67,12 +67,12 @@ def evaluations(values: Iterable[Any], unit: int) -> int:
     """Return how many calls a call with these ``values`` counts for: one for each ``unit`` numbers of the
     longest, so that a call with many places at once is not one call.
     """
-    return max(1, *(-(-_numbers(value) // unit) for value in values), 1)
+    return max([1, *(-(-_numbers(value) // unit) for value in values)])
 
 
 def unit_of(given: Iterable[Any]) -> int:
     """Return the numbers of the longest of the values with which a question calls the student's function."""
-    return max(1, *map(_numbers, given), 1)
+    return max([1, *map(_numbers, given)])
 
 
 def _numbers(value: Any) -> int:

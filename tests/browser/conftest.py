@@ -48,7 +48,7 @@ def page(browser):
         context = browser.new_context(viewport={"width": width, "height": height}, **options)
         contexts.append(context)
         new = context.new_page()
-        new.set_default_timeout(20_000)
+        new.set_default_timeout(60_000)  # one worker, and other tests beside it
         new.on("pageerror", lambda error: errors.append(f"{new.url}: {error}"))
         new.on(
             "console", lambda said: errors.append(f"{new.url}: {said.text}") if said.type == "error" else None

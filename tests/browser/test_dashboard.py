@@ -434,6 +434,7 @@ TWO_CLICKS = """() => {
 
 def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server, tokens, url):
     page = seen_by("tutor", "/queue")
+    page.get_by_text("The queue is empty.").wait_for()  # the worker has started and graded
     page.evaluate("window.been = true")
     loop = post(server, tokens["ben"], LOOP)
     page.get_by_text("possibly an endless loop").wait_for()

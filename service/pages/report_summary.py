@@ -14,7 +14,9 @@ from service.store.records import SubmissionRecord
 
 @dataclass(frozen=True)
 class Chip:
-    """An exercise with its ``state``, "pass", "fail" or "none" if it was not attempted, and its points."""
+    """An exercise with its points and its ``state``: "pass", "part" of the points, "fail", or "none" if it was
+    not attempted.
+    """
 
     number: str
     title: str
@@ -52,8 +54,9 @@ def chips(assignment: Assignment | None, report: Report) -> list[Chip]:
         for exercise in section.exercises:
             counted = [o for o in exercise.outcomes if o.counted]
             passed = all(o.verdict == "pass" for o in counted or exercise.outcomes)
-            points = f"{sum(o.earned for o in counted)}/{sum(o.points for o in counted)}" if counted else ""
-            state = "pass" if passed else "fail"
+            earned = sum(o.earned for o in counted)
+            points = f"{earned}/{sum(o.points for o in counted)}" if counted else ""
+            state = "pass" if passed else "part" if earned else "fail"
             found[exercise.number] = Chip(exercise.number, exercise.title, state, points)
     declared = {e.number: Chip(e.number, e.title, "none") for e in assignment.exercises} if assignment else {}
     return list((declared | found).values())

@@ -14,8 +14,8 @@ from service.store.records import SubmissionRecord
 
 @dataclass(frozen=True)
 class Chip:
-    """An exercise with its points and its ``state``: "pass", "part" of the points, "fail", or "none" if it was
-    not attempted.
+    """An exercise with its points and its ``state``: "pass", "part" of the points, "fail", or "none" if it
+    was not attempted.
     """
 
     number: str

@@ -109,17 +109,16 @@ def measure(folder: Path, recorded: Path, number: int, given: argparse.Namespace
 
 async def fill(url: str, number: int) -> None:
     """Store submissions of many persons, all waiting."""
-    database = Database(url, "bench", connections=8)
-    await register(database, assignments().values())
     each = [
         NewSubmission(
             uuid.uuid4(), "rigid-body", f"s{k % PERSONS:03}", Submission(SOURCE, exercises=["2"]), k
         )
         for k in range(number)
     ]
-    for start in range(0, number, 8):
-        await asyncio.gather(*(accept(database, one) for one in each[start : start + 8]))
-    await database.close()
+    async with Database(url, "bench", connections=8) as database:
+        await register(database, assignments().values())
+        for start in range(0, number, 8):
+            await asyncio.gather(*(accept(database, one) for one in each[start : start + 8]))
 
 
 def finished(connection: psycopg.Connection) -> int:

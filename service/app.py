@@ -139,44 +139,45 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
 async def _lifespan(app: FastAPI, find_loss: Callable[[], str | None]) -> AsyncIterator[None]:
     settings: Settings = app.state.held[Settings]
     assert settings.database_url is not None
-    wait_s = settings.database_wait
-    database = Database(
-        settings.database_url, "polhode web", connections=10, wait_s=wait_s, find_loss=find_loss
-    )
-    valid, invalid = load_catalogue()
-    await register(database, valid.values())
-    for broken in invalid.values():
-        log.error("%s", broken)
-    listener, renderer, hub = Listener(database), Renderer(), Hub(settings.hub_api_url, settings.hub_service)
-    checker, large_bodies = PasswordChecker(database), parse_submission.LargeBodies(settings)
-    overview = ChangeFeed(
-        listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease)
-    )
-    signing, limiter, workers = (
-        Secret(await secret(database, "forms")),
-        LoginRateLimiter(),
-        health.WorkerStatus(database),
-    )
-    for one in (
-        database,
-        listener,
-        renderer,
-        hub,
-        checker,
-        large_bodies,
-        overview,
-        signing,
-        limiter,
-        workers,
-    ):
-        app.state.held[type(one)] = one
-    listener.start()
-    try:
-        yield
-    finally:
-        renderer.stop()
-        large_bodies.process.stop()
-        hub.stop()
-        checker.stop()
-        await listener.stop()
-        await database.close()
+    async with Database(
+        settings.database_url,
+        "polhode web",
+        connections=10,
+        wait_s=settings.database_wait,
+        find_loss=find_loss,
+    ) as database:
+        valid, invalid = load_catalogue()
+        await register(database, valid.values())
+        for broken in invalid.values():
+            log.error("%s", broken)
+        listener, renderer = Listener(database), Renderer()
+        hub = Hub(settings.hub_api_url, settings.hub_service)
+        checker, large_bodies = PasswordChecker(database), parse_submission.LargeBodies(settings)
+        overview = ChangeFeed(
+            listener,
+            lambda: queue_overview.snapshot(database),
+            partial(queue.snapshot, lease_s=settings.lease),
+        )
+        signing = Secret(await secret(database, "forms"))
+        for one in (
+            database,
+            listener,
+            renderer,
+            hub,
+            checker,
+            large_bodies,
+            overview,
+            signing,
+            LoginRateLimiter(),
+            health.WorkerStatus(database),
+        ):
+            app.state.held[type(one)] = one
+        listener.start()
+        try:
+            yield
+        finally:
+            renderer.stop()
+            large_bodies.process.stop()
+            hub.stop()
+            checker.stop()
+            await listener.stop()

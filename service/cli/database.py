@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TypeVar
 
 import psycopg
-from sqlalchemy.exc import DBAPIError
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.cli.errors import CommandError
@@ -97,11 +96,10 @@ def database_url(settings: Settings, *, create: bool = False, restore: bool = Fa
                     embedded.new_cluster() if restore and not exists else _running(embedded)
                 )
             yield url
-    except (psycopg.Error, DBAPIError) as error:
-        cause = getattr(error, "orig", None) or error
-        if isinstance(cause, psycopg.errors.UndefinedTable):
-            raise CommandError("the database has no tables yet: run polhode db upgrade") from error
-        raise CommandError(str(cause).strip().split("\n")[0]) from error
+    except psycopg.errors.UndefinedTable as error:
+        raise CommandError("the database has no tables yet: run polhode db upgrade") from error
+    except psycopg.Error as error:
+        raise CommandError(str(error).strip().split("\n")[0]) from error
 
 
 @contextmanager
@@ -119,12 +117,9 @@ def run_async(url: str, action: Callable[[Database], Awaitable[T]]) -> T:
     """
 
     async def once() -> T:
-        database = Database(url, "polhode command", connections=1)
-        try:
+        async with Database(url, "polhode command", connections=1) as database:
             await check_schema(database)
             return await action(database)
-        finally:
-            await database.close()
 
     return asyncio.run(once())
 

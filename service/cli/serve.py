@@ -13,9 +13,9 @@ from functools import partial
 from types import FrameType
 from typing import Any, cast
 
+import psycopg
 import uvicorn
 from fastapi import FastAPI
-from sqlalchemy.exc import DBAPIError
 
 from service import logs
 from service.api.health import WorkerStatus
@@ -71,8 +71,8 @@ def serve(settings: Settings) -> int:
         gc.freeze()
         server.run(sockets=[listening])
         return 0 if server.started else 2
-    except (oidc.NotInstalled, DatabaseUnavailable, WrongSchema, DBAPIError, OSError) as error:
-        print(f"polhode: {getattr(error, 'orig', None) or error}", file=sys.stderr)
+    except (oidc.NotInstalled, DatabaseUnavailable, WrongSchema, psycopg.Error, OSError) as error:
+        print(f"polhode: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 0

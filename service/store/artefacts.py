@@ -10,19 +10,19 @@ from service.store.database import Connection, Database
 
 ARTEFACTS = """
 SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256)
-WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
+WHERE k.grading_id = ANY(CAST(%(gradings)s AS uuid[])) AND k.name = %(name)s
 """
 
 # In the order of the hashes, which avoids deadlocks.
 _INSERT = """
 WITH given AS (
-    SELECT * FROM unnest(CAST(:names AS text[]), CAST(:marks AS text[]),
-    CAST(:contents AS bytea[])) one (name, sha256, content)
+    SELECT * FROM unnest(CAST(%(names)s AS text[]), CAST(%(marks)s AS text[]),
+    CAST(%(contents)s AS bytea[])) one (name, sha256, content)
 ), stored AS (
     INSERT INTO artefact (sha256, content) SELECT sha256, content FROM given ORDER BY sha256
     ON CONFLICT DO NOTHING
 )
-INSERT INTO grading_artefact (grading_id, name, sha256) SELECT :grading, name, sha256 FROM given
+INSERT INTO grading_artefact (grading_id, name, sha256) SELECT %(grading)s, name, sha256 FROM given
 ON CONFLICT DO NOTHING
 """
 

@@ -1,21 +1,19 @@
 """Connect to PostgreSQL, limit every wait, and distinguish outages from programming errors."""
 
 import asyncio
-import functools
-import re
 import time
 from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Self, TypeAlias, TypeVar
 from uuid import UUID
 
 import psycopg
 from procrastinate.exceptions import ConnectorException
 from psycopg.adapt import Buffer, Loader
-from psycopg.pq import TransactionStatus
 from psycopg.rows import namedtuple_row
+from psycopg_pool import AsyncConnectionPool
 
 from service.settings import DATABASE_WAIT_S
 
@@ -54,8 +52,8 @@ class DatabaseLost(Exception):
     """The folder of the embedded database is missing or damaged, as the message says."""
 
 
-class NoConnection(psycopg.OperationalError):
-    """No connection to the database was free in time, or the one in use broke."""
+class ConnectionBroke(psycopg.OperationalError):
+    """The connection in use broke."""
 
 
 class NoRow(LookupError):
@@ -64,7 +62,7 @@ class NoRow(LookupError):
 
 class Queries(ABC):
     """Runs queries: a database, or a connection in a transaction.
-    SQL text names its ``values`` with a colon.
+    SQL text names its ``values`` as psycopg does, ``%(name)s``, and doubles other percent signs.
     """
 
     @abstractmethod
@@ -90,17 +88,11 @@ class Connection(Queries):
 
     async def execute(self, query: str, values: Values | None = None) -> int:
         """Run a statement and return the number of its rows."""
-        return (await self.raw.execute(_translated(query), values or {})).rowcount
+        return (await self.raw.execute(query, values or {})).rowcount
 
     async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
         """Run a query and return all rows."""
-        return await (await self.raw.execute(_translated(query), values or {})).fetchall()
-
-
-@functools.cache
-def _translated(query: str) -> bytes:
-    """Return a query with psycopg's parameters, %(name)s, in place of :name."""
-    return re.sub(r"(?<![:\w]):(\w+)(?!:)", r"%(\1)s", query.replace("%", "%%")).encode()
+        return await (await self.raw.execute(query, values or {})).fetchall()
 
 
 class _Number(Loader):
@@ -111,9 +103,13 @@ class _Number(Loader):
         return int(value) if value.is_integer() else value
 
 
+async def _configure(connection: psycopg.AsyncConnection[Row]) -> None:
+    connection.adapters.register_loader("numeric", _Number)
+
+
 class Database(Queries):
-    """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
-    They stay open.
+    """A pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
+    It opens and closes as an asynchronous context manager.
 
     A caller waits at most ``wait_s`` seconds for a connection. ``find_loss`` returns the reason why the files
     of an embedded database are lost, or None; no transaction counts as committed while it returns a reason.
@@ -129,51 +125,23 @@ class Database(Queries):
     ) -> None:
         self.url, self._find_loss = url, find_loss
         self.persons: dict[str, UUID] = {}  # ids of stored people, by name
-        self._options, self._wait_s = connect_options(name), wait_s
-        self._places = asyncio.Semaphore(connections)
-        self._idle: list[psycopg.AsyncConnection[Row]] = []
-        self._closed = False
+        self._pool = AsyncConnectionPool(
+            url,
+            kwargs={"autocommit": True, "row_factory": namedtuple_row, **connect_options(name)},
+            configure=_configure,
+            min_size=0,
+            max_size=connections,
+            timeout=wait_s,
+            reconnect_timeout=wait_s,
+            open=False,
+        )
 
-    async def close(self) -> None:
-        """Close the idle connections, and others once they are not used any more."""
-        self._closed = True
-        await self._close_idle()
+    async def __aenter__(self) -> Self:
+        await self._pool.open()
+        return self
 
-    async def _close_idle(self) -> None:
-        while self._idle:
-            await self._idle.pop().close()
-
-    @asynccontextmanager
-    async def _connected(self) -> AsyncIterator[psycopg.AsyncConnection[Row]]:
-        """Provide a connection. Raises NoConnection if it breaks meanwhile, and then closes the idle ones,
-        which are as old.
-        """
-        try:
-            async with asyncio.timeout(self._wait_s):
-                await self._places.acquire()
-        except TimeoutError:
-            raise NoConnection(f"no connection to the database was free for {self._wait_s:g} s") from None
-        try:
-            connect = psycopg.AsyncConnection[Row].connect
-            reused = self._idle.pop() if self._idle else None
-            connection = reused or await connect(
-                self.url, autocommit=True, row_factory=namedtuple_row, **self._options
-            )
-            try:
-                connection.adapters.register_loader("numeric", _Number)
-                yield connection
-            except (psycopg.Error, ConnectorException) as error:
-                if connection.closed:
-                    await self._close_idle()
-                    raise NoConnection(str(error)) from error
-                raise
-            finally:
-                if connection.info.transaction_status is TransactionStatus.IDLE and not self._closed:
-                    self._idle.append(connection)
-                else:
-                    await connection.close()
-        finally:
-            self._places.release()
+    async def __aexit__(self, *exception: object) -> None:
+        await self._pool.close()
 
     @asynccontextmanager
     async def begin(self) -> AsyncIterator[Connection]:
@@ -187,6 +155,20 @@ class Database(Queries):
             yield Connection(connection)
         self._check_files()
 
+    @asynccontextmanager
+    async def _connected(self) -> AsyncIterator[psycopg.AsyncConnection[Row]]:
+        """Provide a connection. If it breaks meanwhile, replace the idle ones, which are as old, and raise
+        ConnectionBroke.
+        """
+        async with self._pool.connection() as connection:
+            try:
+                yield connection
+            except (psycopg.Error, ConnectorException) as error:
+                if not connection.closed:
+                    raise
+                await self._pool.check()
+                raise ConnectionBroke(str(error)) from error
+
     def _check_files(self) -> None:
         if loss := self._find_loss():
             raise DatabaseLost(loss)
@@ -194,17 +176,17 @@ class Database(Queries):
     async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
         """Run a read-only query and return all rows.
 
-        If the connection turns out to be dead, the query runs once more on a new one. Cancelling the caller
-        does not interrupt the query, so its connection stays usable.
+        If the connection turns out to be dead, the query runs once more on a new one.
         """
         self._check_files()
-        try:
-            return await asyncio.shield(asyncio.ensure_future(self._fetch(query, values)))
-        except NoConnection:
-            return await asyncio.shield(asyncio.ensure_future(self._fetch(query, values)))
+        async with _bounded():
+            try:
+                return await self._fetch(query, values)
+            except ConnectionBroke:
+                return await self._fetch(query, values)
 
     async def _fetch(self, query: str, values: Values | None) -> Sequence[Row]:
-        async with _bounded(), self._connected() as connection:
+        async with self._connected() as connection:
             return await Connection(connection).rows(query, values)
 
     async def ping(self) -> None:
@@ -218,7 +200,7 @@ async def _bounded() -> AsyncIterator[None]:
         async with asyncio.timeout(ANSWER_S):
             yield
     except TimeoutError as error:
-        raise NoConnection(f"the database has not answered for {ANSWER_S:g} s") from error
+        raise psycopg.OperationalError(f"the database has not answered for {ANSWER_S:g} s") from error
 
 
 def is_outage(error: BaseException) -> bool:
@@ -226,12 +208,12 @@ def is_outage(error: BaseException) -> bool:
     once it is back.
     """
     outages = psycopg.OperationalError | psycopg.InterfaceError | ConnectorException | OSError
-    return is_loss(error) or isinstance(getattr(error, "orig", error), outages)
+    return isinstance(error, outages) or is_loss(error)
 
 
 def is_loss(error: BaseException) -> bool:
     """Return whether the error means that the database has lost its files or tables."""
-    return isinstance(error, DatabaseLost) or isinstance(getattr(error, "orig", error), _WITHOUT_TABLES)
+    return isinstance(error, (DatabaseLost, *_WITHOUT_TABLES))
 
 
 # What a query raises on a database without the tables, columns or functions of this version.

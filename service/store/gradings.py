@@ -58,25 +58,26 @@ async def _stop(connection: Connection, gradings: Sequence[UUID], actor: str) ->
 _FOUND = """
 SELECT a.number, a.preview, s.id AS submission, p.name AS person
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-WHERE a.id = :grading FOR NO KEY UPDATE OF a
+WHERE a.id = %(grading)s FOR NO KEY UPDATE OF a
 """
 
 _OPEN = """
-SELECT a.id FROM grading a WHERE a.regrade_id = :regrade
+SELECT a.id FROM grading a WHERE a.regrade_id = %(regrade)s
     AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = a.id) ORDER BY a.id FOR NO KEY UPDATE OF a
 """
 
 _CANCEL = """
-INSERT INTO result (grading_id, fault, cancelled_by) SELECT unnest(CAST(:gradings AS uuid[])), :note, :actor
+INSERT INTO result (grading_id, fault, cancelled_by)
+SELECT unnest(CAST(%(gradings)s AS uuid[])), %(note)s, %(actor)s
 ON CONFLICT DO NOTHING RETURNING grading_id
 """
 
 _END_RUNS = """
-UPDATE run SET ended_at = now(), end_reason = 'cancelled', note = :note WHERE grading_id = ANY(:gradings)
-    AND ended_at IS NULL
+UPDATE run SET ended_at = now(), end_reason = 'cancelled', note = %(note)s
+WHERE grading_id = ANY(%(gradings)s) AND ended_at IS NULL
 """
 
 _FORGET_JOBS = """
-DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(:gradings) AND task_name = 'grade'
+DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%(gradings)s) AND task_name = 'grade'
     AND status = 'todo'
 """

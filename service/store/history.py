@@ -88,14 +88,14 @@ SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score
     LIMIT 1) AS regrade_request
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
     LEFT JOIN {PENALTY}
-WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most
+WHERE p.name = %(person)s AND x.slug = %(slug)s ORDER BY s.submitted_at DESC LIMIT %(most)s
 """
 
 _TIMELINE = f"""
 WITH s AS (
     SELECT s.*, lag(s.id) OVER (ORDER BY s.submitted_at, s.id) AS before
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
-    WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
+    WHERE p.name = %(person)s AND x.slug = %(slug)s ORDER BY s.submitted_at DESC, s.id DESC LIMIT %(most)s
 )
 SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, {FINAL} AS final, shown.max_score,
     shown.total, {SCORES_RELEASED}, {STATUS}, s.before
@@ -105,7 +105,7 @@ ORDER BY s.submitted_at DESC, s.id DESC
 
 _BEFORE = """
 SELECT b.id FROM submission s JOIN submission b USING (person_id, assignment_id)
-WHERE s.id = :submission AND (b.submitted_at, b.id) < (s.submitted_at, s.id)
+WHERE s.id = %(submission)s AND (b.submitted_at, b.id) < (s.submitted_at, s.id)
     ORDER BY b.submitted_at DESC, b.id DESC LIMIT 1
 """
 
@@ -118,5 +118,5 @@ FROM grading a LEFT JOIN result v ON v.grading_id = a.id LEFT JOIN LATERAL (
     SELECT started_at, worker FROM run WHERE run.grading_id = a.id AND coalesce(run.id = v.run_id, true)
     ORDER BY started_at DESC LIMIT 1
 ) r ON true
-WHERE a.submission_id = :submission ORDER BY a.number
+WHERE a.submission_id = %(submission)s ORDER BY a.number
 """

@@ -142,7 +142,7 @@ async def send_next(connection: Connection, done: UUID) -> None:
     """
     row = await connection.first(_NEXT, {"grading": done})
     if row is not None:
-        await connection.execute("DELETE FROM procrastinate_jobs WHERE id = :id", {"id": row.job})
+        await connection.execute("DELETE FROM procrastinate_jobs WHERE id = %(id)s", {"id": row.job})
         await send_gradings(connection, [row.grading])
 
 
@@ -157,7 +157,7 @@ async def lock_persons(connection: Connection, submissions: Sequence[UUID]) -> N
 PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
 _LOCK_PERSONS = f"""
 SELECT {PERSON_LOCK.format("person_id")}
-FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(:submissions) ORDER BY person_id) AS persons
+FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(%(submissions)s) ORDER BY person_id) AS persons
 """
 
 # Whether the last run of the content of submission ``s``, of whoever sent it, was slow.
@@ -176,7 +176,7 @@ _PLACE = """s.person_id AS person, p.name = 'local' AS alone, (
 
 _PLACES = f"""
 SELECT {_PLACE} FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-WHERE a.id = :grading
+WHERE a.id = %(grading)s
 """
 
 # The person's earlier open gradings that are as slow count; the locks of all of them are taken. One that was
@@ -186,7 +186,7 @@ SELECT a.id, a.kind, a.slow, a.person, a.alone, a.places, before.earlier, before
 FROM (
     SELECT a.id, a.kind, a.requested_at, {KNOWN_SLOW} AS slow, {_PLACE}
     FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-    WHERE a.id = ANY(:gradings)
+    WHERE a.id = ANY(%(gradings)s)
 ) a CROSS JOIN LATERAL (
     SELECT count(*) FILTER (WHERE b.kind = a.kind AND coalesce(j.queue_name = '{SLOW}', false) = a.slow)
         AS earlier, array_agg(j.lock) FILTER (WHERE j.lock IS NOT NULL) AS locks
@@ -207,7 +207,7 @@ FROM grading a JOIN submission s ON s.id = a.submission_id JOIN submission t ON 
     JOIN grading b ON b.submission_id = t.id AND b.kind = a.kind
     JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade'
     AND j.status = 'todo'
-WHERE a.id = :grading AND mod(j.priority, {SLOW_STEP}) NOT IN (0, 1)
+WHERE a.id = %(grading)s AND mod(j.priority, {SLOW_STEP}) NOT IN (0, 1)
     AND (j.queue_name = '{SLOW}') = EXISTS (
         SELECT FROM procrastinate_jobs d WHERE d.args->>'attempt' = a.id::text AND d.task_name = 'grade'
         AND d.status = 'doing' AND d.queue_name = '{SLOW}')

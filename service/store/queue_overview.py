@@ -95,12 +95,12 @@ async def change_rules(
 
 _COLUMNS = "due_at, grace_s, submission_limit, weight"
 
-_RULES = f"SELECT {_COLUMNS} FROM assignment WHERE slug = :slug FOR NO KEY UPDATE"
+_RULES = f"SELECT {_COLUMNS} FROM assignment WHERE slug = %(slug)s FOR NO KEY UPDATE"
 
 _SET_RULES = f"""
-UPDATE assignment SET due_at = :due_at, grace_s = :grace_s, submission_limit = :submission_limit,
-    weight = :weight
-WHERE slug = :slug RETURNING {_COLUMNS}
+UPDATE assignment SET due_at = %(due_at)s, grace_s = %(grace_s)s, submission_limit = %(submission_limit)s,
+    weight = %(weight)s
+WHERE slug = %(slug)s RETURNING {_COLUMNS}
 """
 
 _WAITING = """
@@ -162,7 +162,7 @@ ORDER BY r.finished_at DESC LIMIT 50
 
 _AGAIN = f"""
 SELECT s.id, a.seed, r.fault FROM submission s JOIN {LAST}
-WHERE (CAST(:ids AS uuid[]) IS NULL OR s.id = ANY(CAST(:ids AS uuid[])))
-    AND (NOT CAST(:faults AS boolean) OR (r.fault IS NOT NULL AND NOT {_HAS_REPORT}))
+WHERE (CAST(%(ids)s AS uuid[]) IS NULL OR s.id = ANY(CAST(%(ids)s AS uuid[])))
+    AND (NOT CAST(%(faults)s AS boolean) OR (r.fault IS NOT NULL AND NOT {_HAS_REPORT}))
 ORDER BY s.submitted_at
 """

@@ -100,7 +100,7 @@ LATERAL (
 LEFT JOIN {points("given", "shown.grading", "shown.score")}
 """
 
-# The submissions ``s`` of assignment ``:slug`` and person ``:person``, each of which may be null for all,
+# The submissions ``s`` of assignment ``slug`` and person ``person``, each of which may be null for all,
 # with the grading shown as in SHOWN. Joins of whole tables: a lateral join would look up each of a class's
 # thousands of submissions.
 EACH_SHOWN = """(
@@ -109,8 +109,10 @@ EACH_SHOWN = """(
         r.score, r.max_score, r.grading_id IS NOT NULL AS finished, r.finished_at, r.version
     FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview
     LEFT JOIN result r ON r.grading_id = a.id
-    WHERE (CAST(:slug AS text) IS NULL OR s.assignment_id = (SELECT id FROM assignment WHERE slug = :slug))
-        AND (CAST(:person AS text) IS NULL OR s.person_id = (SELECT id FROM person WHERE name = :person))
+    WHERE (CAST(%(slug)s AS text) IS NULL
+            OR s.assignment_id = (SELECT id FROM assignment WHERE slug = %(slug)s))
+        AND (CAST(%(person)s AS text) IS NULL
+            OR s.person_id = (SELECT id FROM person WHERE name = %(person)s))
     ORDER BY s.id, r.score IS NOT NULL DESC, a.number DESC
 ) s"""
 
@@ -185,7 +187,7 @@ SELECT s.id, x.slug AS assignment, p.name AS person, p.full_name, s.source, s.fi
     {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
     LEFT JOIN {PENALTY}
-WHERE s.id = :id
+WHERE s.id = %(id)s
 """
 
 _LIST = f"""
@@ -195,10 +197,10 @@ SELECT s.id, s.filename, p.name AS person, p.full_name, s.submitted_at, {LATE}, 
     x.slug AS assignment
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
     LEFT JOIN {PENALTY}
-WHERE coalesce(p.name = CAST(:person AS text), true)
-    AND coalesce(starts_with(CAST(s.id AS text), CAST(:text AS text))
-    OR strpos(lower(s.filename), CAST(:text AS text)) > 0, true)
-ORDER BY s.submitted_at DESC LIMIT :most
+WHERE coalesce(p.name = CAST(%(person)s AS text), true)
+    AND coalesce(starts_with(CAST(s.id AS text), CAST(%(text)s AS text))
+    OR strpos(lower(s.filename), CAST(%(text)s AS text)) > 0, true)
+ORDER BY s.submitted_at DESC LIMIT %(most)s
 """
 
 _STATE = f"""
@@ -210,7 +212,7 @@ FROM submission s JOIN {SHOWN} LEFT JOIN LATERAL (
     WHERE run.grading_id = shown.grading AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC
     LIMIT 1
 ) going ON true
-WHERE s.id = :id
+WHERE s.id = %(id)s
 """
 
 _POSITIONS = """

@@ -85,7 +85,7 @@ async def create(
                 {"assignment": slug, "what": description, "submissions": count},
             )
             return UUID(str(id))
-        await connection.execute("DELETE FROM regrade WHERE id = :id", {"id": id})
+        await connection.execute("DELETE FROM regrade WHERE id = %(id)s", {"id": id})
     raise NothingToGrade
 
 
@@ -153,25 +153,26 @@ async def _decision(database: Database, id: UUID) -> str:
 
 
 _BEGIN = """
-INSERT INTO regrade (assignment_id, description, requested_by) SELECT id, :description, :actor FROM assignment
-WHERE slug = :slug RETURNING id
+INSERT INTO regrade (assignment_id, description, requested_by)
+SELECT id, %(description)s, %(actor)s FROM assignment WHERE slug = %(slug)s RETURNING id
 """
 
 _EVERY = f"""
 SELECT s.id, s.person_id, shown.grading, shown.score
-FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} WHERE x.slug = :slug
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} WHERE x.slug = %(slug)s
 """
 
 _ONE = """
-SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
+SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id
+WHERE s.id = %(one)s AND x.slug = %(slug)s
 """
 
 _SELECTED = {
     which: (
         f"""
 SELECT id FROM ({query}) counted
-WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
-    SELECT 1 FROM outcome o WHERE o.grading_id = counted.grading AND o.check_id = :check AND o.counted
+WHERE score IS NOT NULL AND (CAST(%(check)s AS text) IS NULL OR EXISTS (
+    SELECT 1 FROM outcome o WHERE o.grading_id = counted.grading AND o.check_id = %(check)s AND o.counted
     AND o.state <> 'pass'))
 ORDER BY person_id
 """
@@ -179,15 +180,15 @@ ORDER BY person_id
     for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
 }
 
-_UNDECIDED = "SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE"
+_UNDECIDED = "SELECT 1 FROM regrade WHERE id = %(id)s AND decided IS NULL FOR SHARE"
 
 _ADD = f"""
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at, regrade_id, preview)
 SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b
-    WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
-    clock_timestamp(), :regrade, true
+    WHERE b.submission_id = s.id), 'regrade', a.seed, %(max_runs)s,
+    clock_timestamp(), %(regrade)s, true
 FROM submission s JOIN {LAST}
-WHERE s.id = ANY(:submissions) AND NOT EXISTS (
+WHERE s.id = ANY(%(submissions)s) AND NOT EXISTS (
     SELECT FROM grading b LEFT JOIN result q ON q.grading_id = b.id
     WHERE b.submission_id = s.id AND b.preview AND q.grading_id IS NULL)
 RETURNING id
@@ -199,17 +200,17 @@ SELECT g.id, x.slug AS assignment, g.description, g.requested_by, g.requested_at
     count(r.grading_id) AS finished, count(r.score) AS graded, count(a.id) AS total
 FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN grading a ON a.regrade_id = g.id
     LEFT JOIN result r ON r.grading_id = a.id
-WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug
+WHERE g.id = CAST(%(id)s AS uuid) OR x.slug = CAST(%(slug)s AS text) GROUP BY g.id, x.slug
     ORDER BY g.requested_at DESC LIMIT 100
 """
 
 _DECIDE = """
-UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp()
-WHERE id = :id AND decided IS NULL
+UPDATE regrade SET decided = %(how)s, decided_by = %(actor)s, decided_at = clock_timestamp()
+WHERE id = %(id)s AND decided IS NULL
 """
 
 _OPEN = """
-SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r
+SELECT count(*) FROM grading a WHERE regrade_id = %(id)s AND NOT EXISTS (SELECT 1 FROM result r
     WHERE r.grading_id = a.id)
 """
 
@@ -222,7 +223,7 @@ _OVERTAKEN = """EXISTS (
 
 _RELEASE = f"""
 UPDATE grading a SET preview = false FROM result r
-WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT {_OVERTAKEN}
+WHERE a.regrade_id = %(id)s AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT {_OVERTAKEN}
 RETURNING a.submission_id
 """
 
@@ -261,7 +262,7 @@ SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS pe
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN {_BEFORE}
     LEFT JOIN {points("before", "was.grading", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}
-WHERE a.regrade_id = :id ORDER BY p.name, s.submitted_at
+WHERE a.regrade_id = %(id)s ORDER BY p.name, s.submitted_at
 """
 
 _FLIPS = f"""
@@ -271,7 +272,7 @@ FROM (
     SELECT a.id AS grading, o.check_id, o.state, o.earned, side.old
     FROM grading a JOIN result r ON r.grading_id = a.id AND r.report IS NOT NULL JOIN {_BEFORE},
         LATERAL (VALUES (was.grading, true), (a.id, false)) AS side (grading, old), outcome o
-    WHERE a.regrade_id = :id AND o.grading_id = side.grading
+    WHERE a.regrade_id = %(id)s AND o.grading_id = side.grading
 ) both_sides
 GROUP BY grading, check_id HAVING count(*) = 1 OR min(state) <> max(state) OR min(earned) <> max(earned)
 ORDER BY check_id

@@ -180,7 +180,7 @@ async def notify_in(connection: Connection, submission_id: UUID, suffix: str = "
     change.
     """
     await connection.execute(
-        "SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": f"{submission_id}{suffix}"}
+        "SELECT pg_notify(%(channel)s, %(id)s)", {"channel": CHANNEL, "id": f"{submission_id}{suffix}"}
     )
 
 
@@ -193,16 +193,16 @@ SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exer
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'failed') AS failed
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
     JOIN person p ON p.id = s.person_id LEFT JOIN result r ON r.grading_id = a.id
-WHERE a.id = :grading
+WHERE a.id = %(grading)s
 """
 
 # The worker does not wait for the disk: ``finish`` adds the run again if a database that crashed has lost it.
 _CLAIM = f"""
 WITH found AS ({_GRADING} FOR NO KEY UPDATE OF a),
-judged AS (SELECT *, failed >= :most_failed OR lost + failed >= max_runs AS given_up FROM found),
+judged AS (SELECT *, failed >= %(most_failed)s OR lost + failed >= max_runs AS given_up FROM found),
 begun AS (
     INSERT INTO run (id, grading_id, worker, phase)
-    SELECT :run, :grading, :worker, 'starting' FROM judged WHERE NOT finished AND NOT given_up
+    SELECT %(run)s, %(grading)s, %(worker)s, 'starting' FROM judged WHERE NOT finished AND NOT given_up
     ON CONFLICT DO NOTHING RETURNING pg_notify('{CHANNEL}', (SELECT submission_id || '{PROGRESS}'
     FROM judged))
 )
@@ -212,58 +212,59 @@ SELECT judged.*, set_config('synchronous_commit', 'off', true) FROM judged LEFT 
 # A run that was marked lost and revived does not count: its worker was only slow.
 _LOST = """
 SELECT started_at, worker, note FROM run
-WHERE grading_id = :grading AND end_reason IN ('lost', 'failed') ORDER BY started_at
+WHERE grading_id = %(grading)s AND end_reason IN ('lost', 'failed') ORDER BY started_at
 """
 
 _HEARTBEAT = """
-WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
-UPDATE run SET heartbeat_at = now(), phase = :phase, scene = :scene, scenes = :scenes,
+WITH before AS (SELECT id, phase, scene FROM run WHERE id = %(run)s)
+UPDATE run SET heartbeat_at = now(), phase = %(phase)s, scene = %(scene)s, scenes = %(scenes)s,
     ended_at = NULL, end_reason = NULL, note = NULL,
-    scene_at = CASE WHEN (before.phase, before.scene) = (:phase, :scene) THEN scene_at ELSE now() END
+    scene_at = CASE WHEN (before.phase, before.scene) = (%(phase)s, %(scene)s) THEN scene_at ELSE now() END
 FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.end_reason = 'lost')
     AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = run.grading_id)
 RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
 """
 
-_FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CONFLICT DO NOTHING"
+_FAULT = "INSERT INTO result (grading_id, fault) VALUES (%(grading)s, %(fault)s) ON CONFLICT DO NOTHING"
 
 # Also ends the run, locks the ranking of the person's gradings, and notifies the servers.
 _RESULT = f"""
 WITH stored AS (
     INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
-    VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s)
+    VALUES (%(grading)s, %(run)s, %(report)s, %(score)s, %(max_score)s, %(version)s, %(isolation)s,
+        %(grading_s)s)
     ON CONFLICT DO NOTHING RETURNING run_id
 ), ended AS (
     INSERT INTO run (id, grading_id, worker, phase, ended_at, end_reason, slow)
-    SELECT run_id, :grading, :worker, 'starting', now(), 'finished', :slow FROM stored
-    ON CONFLICT (id) DO UPDATE SET ended_at = now(), end_reason = 'finished', note = NULL, slow = :slow
+    SELECT run_id, %(grading)s, %(worker)s, 'starting', now(), 'finished', %(slow)s FROM stored
+    ON CONFLICT (id) DO UPDATE SET ended_at = now(), end_reason = 'finished', note = NULL, slow = %(slow)s
     WHERE coalesce(run.end_reason, '') NOT IN ('finished', 'cancelled')
 ), outcomes AS (
     INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
-    SELECT :grading, one.* FROM stored, jsonb_to_recordset(:outcomes) AS one (
+    SELECT %(grading)s, one.* FROM stored, jsonb_to_recordset(%(outcomes)s) AS one (
         check_id text, state text, counted boolean, margin float8, codes text[], causes text[],
         points integer, earned integer
     ) ON CONFLICT DO NOTHING
 )
 SELECT pg_notify('{CHANNEL}', CAST(s.id AS text)), {PERSON_LOCK.format("s.person_id")}
-FROM stored, submission s WHERE s.id = :submission
+FROM stored, submission s WHERE s.id = %(submission)s
 """
 
-_OWNER = "SELECT run_id FROM result WHERE grading_id = :grading"
+_OWNER = "SELECT run_id FROM result WHERE grading_id = %(grading)s"
 
 _SUPERSEDE = """
 UPDATE run SET ended_at = now(), end_reason = 'superseded', note = NULL
-WHERE id = :run AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
+WHERE id = %(run)s AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
 """
 
 _END_IF_OPEN = """
-UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note, slow = :slow
-WHERE id = :run AND ended_at IS NULL
+UPDATE run SET ended_at = now(), end_reason = %(end_reason)s, note = %(note)s, slow = %(slow)s
+WHERE id = %(run)s AND ended_at IS NULL
 """
 
 _DROP_JOBS = """
-DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'
-    AND (status = 'todo' OR CAST(:exits AS boolean))
+DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %(grading)s AND task_name = 'grade'
+    AND (status = 'todo' OR CAST(%(exits)s AS boolean))
 """
 
 

@@ -1,14 +1,17 @@
 """Migrate the tables of a database to this version, and check that they fit it."""
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, create_engine, text
+from sqlalchemy.exc import DBAPIError
 
 from service.store.database import Database, connect_options
 
@@ -54,16 +57,25 @@ def migrate(url: str) -> str:
     """
     config = _alembic_config()
     bounded = {"connect_timeout": 5, "options": "-c lock_timeout=60s -c statement_timeout=600s"}
-    engine = create_engine(driver_url(url), connect_args=bounded)
+    with _begin(url, bounded) as connection:
+        connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK})
+        _check_revision(connection)
+        config.attributes["connection"] = connection
+        command.upgrade(config, "head")
+        _check_tables(connection)
+        _mark(connection)
+        return str(MigrationContext.configure(connection).get_current_revision())
+
+
+@contextmanager
+def _begin(url: str, options: dict[str, Any]) -> Iterator[Connection]:
+    """Open a transaction of SQLAlchemy, as Alembic wants it; the errors are psycopg's."""
+    engine = create_engine(driver_url(url), connect_args=options)
     try:
         with engine.begin() as connection:
-            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK})
-            _check_revision(connection)
-            config.attributes["connection"] = connection
-            command.upgrade(config, "head")
-            _check_tables(connection)
-            _mark(connection)
-            return str(MigrationContext.configure(connection).get_current_revision())
+            yield connection
+    except DBAPIError as error:
+        raise (error.orig or error) from error
     finally:
         engine.dispose()
 
@@ -74,12 +86,8 @@ async def check_schema(database: Database) -> None:
 
 
 def _check_schema(url: str) -> None:
-    engine = create_engine(driver_url(url), connect_args=connect_options("polhode tables"))
-    try:
-        with engine.connect() as connection:
-            _check_revision(connection)
-    finally:
-        engine.dispose()
+    with _begin(url, connect_options("polhode tables")) as connection:
+        _check_revision(connection)
 
 
 def _alembic_config() -> Config:

@@ -46,14 +46,14 @@ async def register(database: Database, catalogue: Iterable[Assignment]) -> None:
 
 
 _REGISTER = """
-INSERT INTO assignment (course_id, slug) SELECT id, :slug FROM course WHERE slug = :course
+INSERT INTO assignment (course_id, slug) SELECT id, %(slug)s FROM course WHERE slug = %(course)s
     ON CONFLICT DO NOTHING
 """
 
 _REGISTER_VERSION = """
 INSERT INTO assignment_version (assignment_id, version)
-SELECT a.id, :version FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug
-    AND c.slug = :course
+SELECT a.id, %(version)s FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = %(slug)s
+    AND c.slug = %(course)s
 ON CONFLICT DO NOTHING
 """
 
@@ -156,8 +156,9 @@ async def add_grading(connection: Connection, of: UUID, kind: str, seed: int) ->
 # clock_timestamp(), as now() is the start of the transaction.
 _ADD = """
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
-SELECT :id, :submission, coalesce(max(number), 0) + 1, :kind, :seed, :max_runs, clock_timestamp()
-FROM grading WHERE submission_id = :submission
+SELECT %(id)s, %(submission)s, coalesce(max(number), 0) + 1, %(kind)s, %(seed)s, %(max_runs)s,
+    clock_timestamp()
+FROM grading WHERE submission_id = %(submission)s
 """
 
 # The submission time is that of the request, by the database's clock. The lock serializes a person's
@@ -165,12 +166,12 @@ FROM grading WHERE submission_id = :submission
 _RULES = f"""
 SELECT x.id, until.due_at, x.grace_s, x.submission_limit, at, coalesce(at > until.due_at, false) AS late,
     coalesce(at > until.due_at + make_interval(secs => x.grace_s), false) AS over,
-    {PERSON_LOCK.format("CAST(:person AS text)")}
+    {PERSON_LOCK.format("CAST(%(person)s AS text)")}
 FROM assignment x JOIN course c ON c.id = x.course_id
-    LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = CAST(:person AS uuid)
+    LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = CAST(%(person)s AS uuid)
     JOIN LATERAL {OWN_DEADLINE},
-    (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
-WHERE x.slug = :slug AND c.slug = :course
+    (SELECT clock_timestamp() - make_interval(secs => %(age)s) AS at) arrived
+WHERE x.slug = %(slug)s AND c.slug = %(course)s
 """
 
 # A separate statement: it must see what was committed before the lock was granted to count the open gradings.
@@ -179,33 +180,33 @@ WITH stored AS (
     INSERT INTO submission
         (id, assignment_id, person_id, source, sha256, filename, exercises, late, submitted_at, fingerprint,
         idempotency_key)
-    VALUES (:id, :assignment, :person, :source, :sha256, :filename, :exercises, :late, :at, :fingerprint,
-    :key)
+    VALUES (%(id)s, %(assignment)s, %(person)s, %(source)s, %(sha256)s, %(filename)s, %(exercises)s,
+        %(late)s, %(at)s, %(fingerprint)s, %(key)s)
     ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
 )
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
-SELECT :grading, id, 1, :kind, :seed, :max_runs, clock_timestamp() FROM stored
+SELECT %(grading)s, id, 1, %(kind)s, %(seed)s, %(max_runs)s, clock_timestamp() FROM stored
 RETURNING (
     SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id
     LEFT JOIN result r ON r.grading_id = b.id
-    WHERE t.person_id = :person AND b.kind = :kind AND r.grading_id IS NULL
+    WHERE t.person_id = %(person)s AND b.kind = %(kind)s AND r.grading_id IS NULL
 ) AS open
 """
 
 _REPEATED = f"""
 SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s
     JOIN assignment x ON x.id = s.assignment_id
-WHERE s.person_id = :person AND s.idempotency_key = :key
+WHERE s.person_id = %(person)s AND s.idempotency_key = %(key)s
 """
 
 _LAST = f"""
 SELECT s.id, s.submitted_at, s.fingerprint, s.idempotency_key AS key, shown.fault, shown.version, {LATE}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
-WHERE s.person_id = :person AND s.assignment_id = :assignment ORDER BY s.submitted_at DESC LIMIT 1
+WHERE s.person_id = %(person)s AND s.assignment_id = %(assignment)s ORDER BY s.submitted_at DESC LIMIT 1
 """
 
 _USED = f"""
-SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment
+SELECT count(*) FROM submission s WHERE s.person_id = %(person)s AND s.assignment_id = %(assignment)s
     AND NOT {FAULTED}
 """
 

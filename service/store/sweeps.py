@@ -119,23 +119,24 @@ async def _queue_once(connection: Connection, grading: UUID) -> bool:
     return True
 
 
-_LOCK_SWEEP = "SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :grading, 0))"
+_LOCK_SWEEP = "SELECT pg_advisory_xact_lock(hashtextextended('sweep' || %(grading)s, 0))"
 
 _QUEUED = """
 SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing')
-    AND args->>'attempt' = :grading
+    AND args->>'attempt' = %(grading)s
 """
 
 _DONE = """
 SELECT grading_id, name FROM grading_artefact
-WHERE grading_id = ANY(CAST(:gradings AS uuid[])) AND name IN ('sweep.json', 'sweep.refused', :last)
+WHERE grading_id = ANY(CAST(%(gradings)s AS uuid[])) AND name IN ('sweep.json', 'sweep.refused', %(last)s)
 """
 
 _STORED = """
 SELECT k.name, a.content FROM grading_artefact k JOIN artefact a USING (sha256)
-WHERE k.grading_id = :grading AND (k.name IN ('sweep.json', 'sweep.refused') OR k.name LIKE 'sweep.fault.%')
+WHERE k.grading_id = %(grading)s
+    AND (k.name IN ('sweep.json', 'sweep.refused') OR k.name LIKE 'sweep.fault.%%')
 """
 
-_FORGET_RUN = "DELETE FROM grading_artefact WHERE grading_id = :grading AND name = :name"
+_FORGET_RUN = "DELETE FROM grading_artefact WHERE grading_id = %(grading)s AND name = %(name)s"
 
-_RUNS = "SELECT count(*) FROM grading_artefact WHERE grading_id = :grading AND name LIKE 'sweep.run.%'"
+_RUNS = "SELECT count(*) FROM grading_artefact WHERE grading_id = %(grading)s AND name LIKE 'sweep.run.%%'"

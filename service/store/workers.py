@@ -39,14 +39,14 @@ async def register_worker(
 async def unregister_worker(database: Database, worker: str) -> None:
     """Remove a worker that stops."""
     async with database.begin() as connection:
-        await connection.execute("DELETE FROM worker WHERE name = :name", {"name": worker})
+        await connection.execute("DELETE FROM worker WHERE name = %(name)s", {"name": worker})
 
 
 _REGISTER = """
 INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts)
-    VALUES (:name, :isolation, :reason, :zygote_restarts)
+    VALUES (%(name)s, %(isolation)s, %(reason)s, %(zygote_restarts)s)
 ON CONFLICT (name) DO UPDATE
-    SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts,
+    SET isolation = %(isolation)s, unavailable_reason = %(reason)s, zygote_restarts = %(zygote_restarts)s,
     seen_at = now()
 """
 
@@ -127,7 +127,7 @@ async def _lose_and_send(connection: Connection, grading: UUID, lease_s: float, 
 
 
 _RECENT = "({0} > now() - make_interval(secs => {1}) AND {0} < now() + make_interval(secs => {1}))"
-_LEASE = "CAST(:lease AS float)"
+_LEASE = "CAST(%(lease)s AS float)"
 _SPAN = f"CASE WHEN j.task_name = 'grade' THEN {_LEASE} ELSE 120 END"
 
 # Jobs taken by a worker whose run is silent or never began, or whose grading is finished. No heartbeat can
@@ -152,7 +152,7 @@ DELETE FROM procrastinate_jobs WHERE id IN (
 
 _LOSE = f"""
 UPDATE run SET ended_at = now(), end_reason = 'lost', note = 'the worker stopped sending heartbeats'
-WHERE grading_id = :grading AND ended_at IS NULL AND NOT {_RECENT.format("heartbeat_at", _LEASE)}
+WHERE grading_id = %(grading)s AND ended_at IS NULL AND NOT {_RECENT.format("heartbeat_at", _LEASE)}
 """
 
 # Silent runs without a job.
@@ -169,7 +169,7 @@ _TRY_LOCK = "SELECT pg_try_advisory_xact_lock(2626) AS locked"
 
 _JOBLESS = f"""
 SELECT a.id FROM grading a LEFT JOIN result r ON r.grading_id = a.id
-WHERE r.grading_id IS NULL AND NOT {_RECENT.format("a.requested_at", "CAST(:after AS float)")}
+WHERE r.grading_id IS NULL AND NOT {_RECENT.format("a.requested_at", "CAST(%(after)s AS float)")}
     AND NOT EXISTS (
     SELECT 1 FROM procrastinate_jobs j
     WHERE j.status IN ('todo', 'doing') AND j.task_name = 'grade' AND j.args->>'attempt' = a.id::text)

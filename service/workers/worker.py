@@ -79,6 +79,10 @@ class Worker:
         """Work until SIGTERM or SIGINT; then finish the grading within the drain time or release it."""
         for signal_number in (signal.SIGTERM, signal.SIGINT):
             asyncio.get_running_loop().add_signal_handler(signal_number, self._stopping.set)
+        async with self._database:
+            await self._work()
+
+    async def _work(self) -> None:
         if not (await self._wait_for_tables() and await self._start_sandbox()):
             return
         housekeeping, taking = asyncio.create_task(self._keep_house()), asyncio.create_task(self._take_jobs())
@@ -89,7 +93,6 @@ class Worker:
         housekeeping.cancel()
         await self._drain(taking)
         self._end_guest()
-        await self._database.close()
 
     async def _wait_for_tables(self) -> bool:
         """Wait until a server has created the tables of this version. Return False if the worker is stopped

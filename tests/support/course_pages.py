@@ -26,7 +26,7 @@ SOURCE = """def euler_eqs(t, w, I):
 def precession_rate(t, w):
     raise ValueError("not yet")
 """
-_LATEST = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+_LATEST = "SELECT id FROM grading WHERE submission_id = %(id)s ORDER BY number DESC LIMIT 1"
 
 
 def fill(url, sandbox, source=SOURCE, **texts):

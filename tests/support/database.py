@@ -25,12 +25,9 @@ def run(url, action):
     """What ``action(database)`` gives, with the assignments entered."""
 
     async def main():
-        database = Database(url, "test", connections=12)
-        try:
+        async with Database(url, "test", connections=12) as database:
             await register(database, assignments().values())
             return await action(database)
-        finally:
-            await database.close()
 
     with ThreadPoolExecutor(1) as thread:  # where a browser is driven this one has a running event loop
         return thread.submit(lambda: asyncio.run(main())).result()

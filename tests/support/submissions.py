@@ -39,7 +39,7 @@ async def hand_in(
 
 async def grade(database, submission, marks, **about):
     """Give the last grading of a submission a report of those marks."""
-    query = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+    query = "SELECT id FROM grading WHERE submission_id = %(id)s ORDER BY number DESC LIMIT 1"
     grading = (await database.rows(query, {"id": submission}))[0].id
     claimed = await runs.claim(database, grading, uuid.uuid4(), "test worker")
     assert await runs.finish(database, claimed, report_of_marks(marks, **about), {"arrays.npz": b"none"})
@@ -47,7 +47,7 @@ async def grade(database, submission, marks, **about):
 
 async def grade_really(database, submission, sandbox, phases_ms):
     """Grade the last grading of a submission in the sandbox and keep its arrays."""
-    query = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+    query = "SELECT id FROM grading WHERE submission_id = %(id)s ORDER BY number DESC LIMIT 1"
     id = (await database.rows(query, {"id": submission}))[0].id
     claimed = await runs.claim(database, id, uuid.uuid4(), "test worker")
     graded = core.grade(claimed.submission, assignments()[claimed.assignment], sandbox, claimed.seed)

@@ -57,7 +57,9 @@ def known(url):
     id = graded(url, "ann", "+-", **picture)
 
     async def store(database):
-        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": id}))[0].id
+        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = %(id)s", {"id": id}))[
+            0
+        ].id
         await store_artefacts(database, grading, dict.fromkeys(ARTEFACTS, SWEEP))
 
     run(url, store)

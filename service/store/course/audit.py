@@ -24,11 +24,13 @@ async def entries(database: Database, subject: str | None = None, before: int | 
     return await database.rows(_ENTRIES, {"subject": subject, "before": before})
 
 
-_RECORD = "INSERT INTO audit (actor, action, subject, detail) VALUES (:actor, :action, :subject, :detail)"
+_RECORD = """
+INSERT INTO audit (actor, action, subject, detail) VALUES (%(actor)s, %(action)s, %(subject)s, %(detail)s)
+"""
 
 _ENTRIES = f"""
 SELECT id, at, actor, action, subject, detail FROM audit
-WHERE (CAST(:subject AS text) IS NULL OR CAST(:subject AS text) IN (subject, actor, detail->>'person'))
-    AND id < coalesce(CAST(:before AS bigint), 9223372036854775807)
+WHERE (CAST(%(subject)s AS text) IS NULL OR CAST(%(subject)s AS text) IN (subject, actor, detail->>'person'))
+    AND id < coalesce(CAST(%(before)s AS bigint), 9223372036854775807)
 ORDER BY id DESC LIMIT {MOST}
 """

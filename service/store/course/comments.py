@@ -53,16 +53,16 @@ async def delete(database: Database, submission: UUID, id: UUID, actor: str) -> 
 _COLUMNS = "id, cell, line, comment, author, written_at"
 
 _ALL = (
-    f"SELECT {_COLUMNS} FROM source_comment WHERE submission_id = :submission ORDER BY cell, line,"
+    f"SELECT {_COLUMNS} FROM source_comment WHERE submission_id = %(submission)s ORDER BY cell, line,"
     " written_at, id"
 )
 
 _WRITE = f"""
 INSERT INTO source_comment (submission_id, cell, line, comment, author)
-VALUES (:submission, :cell, :line, :comment, :author) RETURNING {_COLUMNS}
+VALUES (%(submission)s, %(cell)s, %(line)s, %(comment)s, %(author)s) RETURNING {_COLUMNS}
 """
 
 _DELETE = """
-DELETE FROM source_comment WHERE id = :id AND submission_id = :submission
+DELETE FROM source_comment WHERE id = %(id)s AND submission_id = %(submission)s
     RETURNING cell, line, comment, author
 """

@@ -27,7 +27,7 @@ class CourseSettings:
 
 async def read(database: Database) -> CourseSettings:
     """Return the settings of the course."""
-    row = await database.one(f"SELECT {_COLUMNS} FROM course WHERE slug = :course", {"course": COURSE})
+    row = await database.one(f"SELECT {_COLUMNS} FROM course WHERE slug = %(course)s", {"course": COURSE})
     return CourseSettings(**row._asdict())
 
 
@@ -69,22 +69,24 @@ async def release(
 _COLUMNS = "title, term, time_zone, late_penalty, late_penalty_limit"
 
 _SET = """
-UPDATE course SET title = :title, term = :term, time_zone = :time_zone, late_penalty = :late_penalty,
-    late_penalty_limit = :late_penalty_limit
-WHERE slug = :course
+UPDATE course SET title = %(title)s, term = %(term)s, time_zone = %(time_zone)s,
+    late_penalty = %(late_penalty)s, late_penalty_limit = %(late_penalty_limit)s
+WHERE slug = %(course)s
 """
 
-_OF = "slug = :slug AND course_id = (SELECT id FROM course WHERE slug = :course)"
+_OF = "slug = %(slug)s AND course_id = (SELECT id FROM course WHERE slug = %(course)s)"
 
-_SET_WEIGHT = f"UPDATE assignment SET weight = :weight WHERE {_OF}"
+_SET_WEIGHT = f"UPDATE assignment SET weight = %(weight)s WHERE {_OF}"
 
-_SET_RELEASES = f"UPDATE assignment SET scores_release = :scores, details_release = :details WHERE {_OF}"
+_SET_RELEASES = (
+    f"UPDATE assignment SET scores_release = %(scores)s, details_release = %(details)s WHERE {_OF}"
+)
 
 _RELEASE = f"""
 UPDATE assignment SET
-    scores_released_at = CASE CAST(:scores AS boolean) WHEN true THEN now() WHEN false THEN NULL
+    scores_released_at = CASE CAST(%(scores)s AS boolean) WHEN true THEN now() WHEN false THEN NULL
     ELSE scores_released_at END,
-    details_released_at = CASE CAST(:details AS boolean) WHEN true THEN now() WHEN false THEN NULL
+    details_released_at = CASE CAST(%(details)s AS boolean) WHEN true THEN now() WHEN false THEN NULL
     ELSE details_released_at END
 WHERE {_OF}
 """

@@ -18,7 +18,7 @@ async def about(database: Database, name: str) -> Row | None:
 
 async def password(database: Database, name: str) -> str | None:
     """Return the hash of the person's password; None without a password or for an unknown person."""
-    row = await database.first("SELECT password FROM person WHERE name = :name", {"name": name})
+    row = await database.first("SELECT password FROM person WHERE name = %(name)s", {"name": name})
     return None if row is None else row.password
 
 
@@ -79,18 +79,18 @@ async def unlink(connection: Connection, name: str, *, by: str) -> bool:
 
 _ABOUT = """
 SELECT p.full_name, p.email, p.student_id, p.password IS NOT NULL AS has_password, s.issuer
-FROM person p LEFT JOIN oidc_account s ON s.person_id = p.id WHERE p.name = :name
+FROM person p LEFT JOIN oidc_account s ON s.person_id = p.id WHERE p.name = %(name)s
 """
-_SET = "UPDATE person SET password = :hash WHERE name = :name RETURNING id"
-_RENEW = "UPDATE person SET password = :hash WHERE name = :name AND password = :before"
+_SET = "UPDATE person SET password = %(hash)s WHERE name = %(name)s RETURNING id"
+_RENEW = "UPDATE person SET password = %(hash)s WHERE name = %(name)s AND password = %(before)s"
 _OF_SUBJECT = """
-SELECT p.name FROM oidc_account s JOIN person p ON p.id = s.person_id WHERE s.issuer = :issuer
-    AND s.subject = :subject
+SELECT p.name FROM oidc_account s JOIN person p ON p.id = s.person_id WHERE s.issuer = %(issuer)s
+    AND s.subject = %(subject)s
 """
-_LOCK = "SELECT password IS NOT NULL FROM person WHERE id = :person FOR UPDATE"
-_OF_PERSON = "SELECT issuer, subject FROM oidc_account WHERE person_id = :person"
-_LINK = "INSERT INTO oidc_account (issuer, subject, person_id) VALUES (:issuer, :subject, :person)"
+_LOCK = "SELECT password IS NOT NULL FROM person WHERE id = %(person)s FOR UPDATE"
+_OF_PERSON = "SELECT issuer, subject FROM oidc_account WHERE person_id = %(person)s"
+_LINK = "INSERT INTO oidc_account (issuer, subject, person_id) VALUES (%(issuer)s, %(subject)s, %(person)s)"
 _UNLINK = (
-    "DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING"
+    "DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = %(name)s RETURNING"
     " s.subject"
 )

@@ -61,18 +61,18 @@ async def own(database: Database, slug: str, name: str) -> Row:
 _OF = """
 FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id
     JOIN person p ON p.id = m.person_id
-WHERE x.slug = :slug AND c.slug = :course"""
+WHERE x.slug = %(slug)s AND c.slug = %(course)s"""
 
 _EXTEND = f"""
 INSERT INTO extension (assignment_id, person_id, due_at, reason, given_by)
-SELECT x.id, p.id, :due, :reason, :by {_OF} AND p.name = :name
+SELECT x.id, p.id, %(due)s, %(reason)s, %(by)s {_OF} AND p.name = %(name)s
 ON CONFLICT (assignment_id, person_id) DO UPDATE
-    SET due_at = :due, reason = :reason, given_by = :by, given_at = now()
+    SET due_at = %(due)s, reason = %(reason)s, given_by = %(by)s, given_at = now()
 RETURNING person_id
 """
 
 _REMOVE = f"""
-DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name)
+DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = %(name)s)
     RETURNING due_at, reason
 """
 
@@ -80,7 +80,7 @@ _REMOVED = f"""
 SELECT * FROM (
     SELECT p.name, p.full_name, CAST(a.detail->>'due' AS timestamptz) AS due_at, a.detail->>'reason' AS reason
     FROM audit a JOIN person p ON p.name = a.subject
-    WHERE a.action = 'extension taken back' AND a.subject = :name AND a.detail->>'assignment' = :slug
+    WHERE a.action = 'extension taken back' AND a.subject = %(name)s AND a.detail->>'assignment' = %(slug)s
     AND NOT EXISTS (
         SELECT FROM extension e WHERE e.person_id = p.id AND e.assignment_id IN (SELECT x.id {_OF}))
     ORDER BY a.id DESC LIMIT 1
@@ -99,8 +99,8 @@ SELECT x.slug, x.weight, e.reason, until.due_at, coalesce(until.due_at > x.due_a
     coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id
     AND NOT {FAULTED}) AS used
-FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
+FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = %(name)s
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}
-WHERE coalesce(x.slug = CAST(:slug AS text), true) AND c.slug = :course ORDER BY x.due_at, x.slug
+WHERE coalesce(x.slug = CAST(%(slug)s AS text), true) AND c.slug = %(course)s ORDER BY x.due_at, x.slug
 """

@@ -90,7 +90,7 @@ SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0)
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
     LEFT JOIN best ON best.person_id = p.id
     LEFT JOIN history ON history.person_id = p.id
-WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}
+WHERE c.slug = %(course)s AND m.role = 'student' AND {IS_PERSON}
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 """
 
@@ -117,11 +117,11 @@ FROM assignment x JOIN course c ON c.id = x.course_id
             bool_and(r.fault IS NOT NULL) AS fault
             FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview
             LEFT JOIN result r ON r.grading_id = a.id
-            WHERE CAST(:slug AS text) IS NULL OR s.assignment_id = (SELECT id FROM assignment
-            WHERE slug = :slug)
+            WHERE CAST(%(slug)s AS text) IS NULL OR s.assignment_id = (SELECT id FROM assignment
+            WHERE slug = %(slug)s)
             GROUP BY s.id
         ) s LEFT JOIN member m ON m.person_id = s.person_id
         GROUP BY s.assignment_id
     ) sent ON sent.assignment_id = x.id
-WHERE c.slug = :course AND coalesce(x.slug = CAST(:slug AS text), true) ORDER BY x.due_at, x.slug
+WHERE c.slug = %(course)s AND coalesce(x.slug = CAST(%(slug)s AS text), true) ORDER BY x.due_at, x.slug
 """

@@ -58,7 +58,7 @@ WITH best AS MATERIALIZED ({BEST})
 SELECT x.slug, x.due_at, x.weight, b.submitted_at - until.due_at AS after_due, p.name, p.full_name, p.email,
     p.student_id,
     b.*, measured.*, overridden.given,
-    CASE WHEN :detailed THEN r.report->'provenance'->'versions'->>'polhode' END AS polhode
+    CASE WHEN %(detailed)s THEN r.report->'provenance'->'versions'->>'polhode' END AS polhode
 FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id
     JOIN assignment x ON x.course_id = c.id
     LEFT JOIN best b ON b.assignment_id = x.id AND b.person_id = p.id
@@ -68,12 +68,12 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(v.check_id, v.state) AS checks,
         jsonb_object_agg(v.check_id, v.points) AS worth, jsonb_object_agg(v.check_id, v.earned) AS earned
         FROM outcome v
-        WHERE :detailed AND v.grading_id = b.grading) measured ON true
+        WHERE %(detailed)s AND v.grading_id = b.grading) measured ON true
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
-        WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL
+        WHERE %(detailed)s AND o.submission_id = b.id AND o.check_id IS NOT NULL
         AND o.withdrawn_at IS NULL) overridden ON true
-WHERE c.slug = :course AND (m.role = 'student' AND CAST(:person AS text) IS NULL OR p.name = :person)
-    AND coalesce(x.slug = CAST(:slug AS text), true) AND {IS_PERSON} ORDER BY x.slug, p.name
+WHERE c.slug = %(course)s AND (m.role = 'student' AND CAST(%(person)s AS text) IS NULL OR p.name = %(person)s)
+    AND coalesce(x.slug = CAST(%(slug)s AS text), true) AND {IS_PERSON} ORDER BY x.slug, p.name
 """
 
 _SUBMISSIONS = f"""
@@ -83,12 +83,12 @@ SELECT s.id, p.name AS person, s.source, s.sha256, s.filename, s.submitted_at, {
     {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
     LEFT JOIN {PENALTY}
-WHERE x.slug = :slug AND s.id > :after ORDER BY s.id LIMIT :most
+WHERE x.slug = %(slug)s AND s.id > %(after)s ORDER BY s.id LIMIT %(most)s
 """
 
 _AUDIT = """
 SELECT id, at, actor AS who, action, subject, CAST(detail AS text) AS detail FROM audit
-WHERE id > :after ORDER BY id LIMIT :most
+WHERE id > %(after)s ORDER BY id LIMIT %(most)s
 """
 
 _OVERRIDES = """
@@ -96,13 +96,13 @@ SELECT p.name AS student, o.submission_id, o.check_id, o.points, o.reason, o.giv
     o.withdrawn_by, o.withdrawn_at
 FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON x.id = s.assignment_id
     JOIN person p ON p.id = s.person_id
-WHERE x.slug = :slug ORDER BY o.given_at, o.id
+WHERE x.slug = %(slug)s ORDER BY o.given_at, o.id
 """
 
 _ROSTER = f"""
 SELECT p.name, m.role, p.full_name, p.email, p.student_id FROM person p JOIN member m ON m.person_id = p.id
     JOIN course c ON c.id = m.course_id
-WHERE c.slug = :course AND {IS_PERSON} ORDER BY p.name
+WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.name
 """
 
 

@@ -30,14 +30,16 @@ async def of_person(database: Database, name: str) -> Sequence[Row]:
     return await database.rows(_LIST, {"name": name})
 
 
-_WRITE = "INSERT INTO note (person_id, note, author) SELECT id, :note, :author FROM person WHERE name = :name"
+_WRITE = """
+INSERT INTO note (person_id, note, author) SELECT id, %(note)s, %(author)s FROM person WHERE name = %(name)s
+"""
 
 _REMOVE = (
-    "DELETE FROM note n USING person p WHERE p.id = n.person_id AND p.name = :name AND n.id = :id RETURNING"
-    " n.note"
+    "DELETE FROM note n USING person p WHERE p.id = n.person_id AND p.name = %(name)s AND n.id = %(id)s"
+    " RETURNING n.note"
 )
 
 _LIST = """
 SELECT n.id, n.note, n.author, n.written_at FROM note n JOIN person p ON p.id = n.person_id
-WHERE p.name = :name ORDER BY n.written_at DESC, n.id
+WHERE p.name = %(name)s ORDER BY n.written_at DESC, n.id
 """

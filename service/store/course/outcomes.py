@@ -20,7 +20,7 @@ WITH cell AS (
     FROM outcome v JOIN grading a ON a.id = v.grading_id
         LEFT JOIN override o ON o.submission_id = a.submission_id AND o.check_id = v.check_id
         AND o.withdrawn_at IS NULL
-    WHERE v.grading_id = ANY(CAST(:gradings AS uuid[]))
+    WHERE v.grading_id = ANY(CAST(%(gradings)s AS uuid[]))
 )
 """
 
@@ -46,9 +46,9 @@ WHERE shown <> 'pass' GROUP BY code, sentence ORDER BY students DESC, code COLLA
 
 _MATCHING = f"""{_CELL}
 SELECT grading_id, check_id AS check, shown, CASE WHEN shown <> 'pass' THEN causes[1] END AS cause FROM cell
-WHERE (CAST(:check AS text) IS NULL OR check_id = :check AND counted)
-    AND (CAST(:state AS text) IS NULL OR shown = :state OR :state = 'not-pass' AND shown <> 'pass')
-    AND (CAST(:cause AS text) IS NULL OR shown <> 'pass' AND :cause = ANY(causes))
+WHERE (CAST(%(check)s AS text) IS NULL OR check_id = %(check)s AND counted)
+    AND (CAST(%(state)s AS text) IS NULL OR shown = %(state)s OR %(state)s = 'not-pass' AND shown <> 'pass')
+    AND (CAST(%(cause)s AS text) IS NULL OR shown <> 'pass' AND %(cause)s = ANY(causes))
 ORDER BY check_id
 """
 

@@ -174,7 +174,7 @@ async def _record_change(
 
 _ALL = """
 SELECT id, check_id AS check, points, reason, given_by AS by, given_at AS at, withdrawn_by, withdrawn_at
-FROM override WHERE submission_id = :id ORDER BY given_at, id
+FROM override WHERE submission_id = %(id)s ORDER BY given_at, id
 """
 
 _OF_PERSON = """
@@ -183,26 +183,27 @@ SELECT o.submission_id AS submission, x.slug AS assignment, o.check_id AS check,
     o.given_at AS at
 FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON x.id = s.assignment_id
     JOIN person p ON p.id = s.person_id
-WHERE p.name = :name AND o.withdrawn_at IS NULL ORDER BY o.given_at DESC, o.id
+WHERE p.name = %(name)s AND o.withdrawn_at IS NULL ORDER BY o.given_at DESC, o.id
 """
 
-_LOCK = "SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE"
+_LOCK = "SELECT 1 FROM submission WHERE id = %(id)s FOR NO KEY UPDATE"
 
 _SHOWN = f"""
 SELECT p.name AS person, shown.grading, shown.score, shown.max_score, shown.total, given.points
-FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = :id
+FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = %(id)s
 """
 
 _OUTCOME = """
-SELECT points, earned FROM outcome WHERE grading_id = :grading AND check_id = CAST(:check AS text) AND counted
+SELECT points, earned FROM outcome WHERE grading_id = %(grading)s
+    AND check_id = CAST(%(check)s AS text) AND counted
 """
 
 _GIVE = """
 INSERT INTO override (submission_id, check_id, points, reason, given_by, given_at)
-VALUES (:submission, :check, :points, :reason, :actor, clock_timestamp())
+VALUES (%(submission)s, %(check)s, %(points)s, %(reason)s, %(actor)s, clock_timestamp())
 """
 
 _WITHDRAW = """
-UPDATE override SET withdrawn_by = :actor, withdrawn_at = clock_timestamp()
-WHERE id = :id AND submission_id = :submission AND withdrawn_at IS NULL
+UPDATE override SET withdrawn_by = %(actor)s, withdrawn_at = clock_timestamp()
+WHERE id = %(id)s AND submission_id = %(submission)s AND withdrawn_at IS NULL
 """

@@ -35,7 +35,7 @@ async def add_person(connection: Connection, name: str) -> UUID:
     """Return the id of the person of that name; an unknown person is added as a student."""
     for statement in _ENTER_ALL, _MEMBERS:
         await connection.execute(statement, {"name": [name], "course": COURSE})
-    id: UUID = (await connection.one("SELECT id FROM person WHERE name = :name", {"name": name}))[0]
+    id: UUID = (await connection.one("SELECT id FROM person WHERE name = %(name)s", {"name": name}))[0]
     return id
 
 
@@ -97,33 +97,33 @@ def _plain(text: str) -> str:
 async def secret(database: Database, name: str) -> bytes:
     """Return a signing key that all servers on this database share."""
     return str(
-        (await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value
+        (await database.rows("SELECT value FROM secret WHERE name = %(name)s", {"name": name}))[0].value
     ).encode()
 
 
-_ENTER_ALL = "INSERT INTO person (name) SELECT unnest(CAST(:name AS text[])) ON CONFLICT DO NOTHING"
+_ENTER_ALL = "INSERT INTO person (name) SELECT unnest(CAST(%(name)s AS text[])) ON CONFLICT DO NOTHING"
 _MEMBERS = """
 INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FROM course c, person p
-WHERE c.slug = :course AND p.name = ANY(CAST(:name AS text[])) ON CONFLICT DO NOTHING
+WHERE c.slug = %(course)s AND p.name = ANY(CAST(%(name)s AS text[])) ON CONFLICT DO NOTHING
 """
 _ROLES = """
 UPDATE member m SET role = entry.role
-FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS entry (name, role)
+FROM unnest(CAST(%(name)s AS text[]), CAST(%(role)s AS text[])) AS entry (name, role)
     JOIN person p USING (name), course c
-WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND entry.role IS NOT NULL
+WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = %(course)s AND entry.role IS NOT NULL
 """
 _ABOUT = """
 UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name),
     email = coalesce(entry.email, p.email),
     student_id = coalesce(entry.student_id, p.student_id)
-FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]),
-    CAST(:student_id AS text[]))
+FROM unnest(CAST(%(name)s AS text[]), CAST(%(full_name)s AS text[]), CAST(%(email)s AS text[]),
+    CAST(%(student_id)s AS text[]))
     AS entry (name, full_name, email, student_id)
 WHERE p.name = entry.name AND coalesce(entry.full_name, entry.email, entry.student_id) IS NOT NULL
 """
 _ROLE_OF = """
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
-WHERE p.name = :name AND c.slug = :course
+WHERE p.name = %(name)s AND c.slug = %(course)s
 """
 _PEOPLE = """
 SELECT p.name, p.full_name, p.email, p.student_id, m.role, coalesce(sent.n, 0) AS submissions, sent.last,
@@ -135,26 +135,27 @@ FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.pers
         SELECT count(*) AS n FROM token t WHERE t.person_id = p.id AND revoked_at IS NULL
         AND expires_at > now()
     ) given ON true
-WHERE c.slug = :course
+WHERE c.slug = %(course)s
 """
 _BY_ROLE = """ORDER BY array_position(ARRAY['instructor', 'assistant', 'student', 'former'], m.role),
     lower(coalesce(nullif(p.full_name, ''), p.name)), p.name"""
 _EVERYBODY = f"{_PEOPLE} AND {IS_PERSON} {_BY_ROLE}"
-_FIND = f"{_PEOPLE} AND p.name = :name"
+_FIND = f"{_PEOPLE} AND p.name = %(name)s"
 _TEXTS = """
 SELECT p.name, concat_ws(chr(10), p.name, p.full_name, p.email, p.student_id) AS text
-FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id WHERE c.slug = :course
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+WHERE c.slug = %(course)s
 """
 _SEARCH = f"""
-{_PEOPLE} AND {IS_PERSON} AND p.name = ANY(:names)
-{_BY_ROLE} LIMIT :most
+{_PEOPLE} AND {IS_PERSON} AND p.name = ANY(%(names)s)
+{_BY_ROLE} LIMIT %(most)s
 """
 _NEIGHBOURS = f"""
 WITH class AS (
     SELECT p.name, lag(p.name) OVER place AS before, lead(p.name) OVER place AS after
     FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
-    WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}
+    WHERE c.slug = %(course)s AND m.role = 'student' AND {IS_PERSON}
     WINDOW place AS (ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name)
 )
-SELECT before, after FROM class WHERE name = :name
+SELECT before, after FROM class WHERE name = %(name)s
 """

@@ -21,14 +21,14 @@ SELECT x.slug, x.weight, x.grace_s, x.submission_limit, until.due_at,
     coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over, last.status,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id
     AND NOT {FAULTED}) AS used
-FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
+FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = %(name)s
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}
     LEFT JOIN LATERAL (
         SELECT {STATUS} FROM submission s JOIN {SHOWN}
         WHERE s.assignment_id = x.id AND s.person_id = p.id ORDER BY s.submitted_at DESC LIMIT 1
     ) last ON true
-WHERE c.slug = :course
+WHERE c.slug = %(course)s
 """
 
 

@@ -98,7 +98,7 @@ async def answer(
 _COLUMNS = "id, submission_id AS submission, reason, requested_at, status, answer, answered_by, answered_at"
 
 _OF_SUBMISSION = (
-    f"SELECT {_COLUMNS} FROM regrade_request WHERE submission_id = :submission ORDER BY requested_at, id"
+    f"SELECT {_COLUMNS} FROM regrade_request WHERE submission_id = %(submission)s ORDER BY requested_at, id"
 )
 
 _OF_ASSIGNMENT = f"""
@@ -107,21 +107,21 @@ SELECT q.id, q.submission_id AS submission, q.reason, q.requested_at, q.status, 
     p.name AS person, p.full_name, given.points, shown.total
 FROM regrade_request q JOIN submission s ON s.id = q.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id JOIN course c ON c.id = x.course_id JOIN {SHOWN}
-WHERE x.slug = :slug AND c.slug = :course
+WHERE x.slug = %(slug)s AND c.slug = %(course)s
 ORDER BY q.answered_at DESC NULLS FIRST, q.requested_at LIMIT {MOST}
 """
 
-_SCORE = f"SELECT shown.score FROM submission s JOIN {SHOWN} WHERE s.id = :submission"
+_SCORE = f"SELECT shown.score FROM submission s JOIN {SHOWN} WHERE s.id = %(submission)s"
 
 _REQUEST = f"""
-INSERT INTO regrade_request (submission_id, reason) VALUES (:submission, :reason) ON CONFLICT DO NOTHING
+INSERT INTO regrade_request (submission_id, reason) VALUES (%(submission)s, %(reason)s) ON CONFLICT DO NOTHING
     RETURNING {_COLUMNS}
 """
 
 _ANSWER = f"""
-UPDATE regrade_request SET status = :status, answer = :text, answered_by = :actor,
+UPDATE regrade_request SET status = %(status)s, answer = %(text)s, answered_by = %(actor)s,
     answered_at = clock_timestamp()
-WHERE id = :id AND status = 'open' RETURNING {_COLUMNS}
+WHERE id = %(id)s AND status = 'open' RETURNING {_COLUMNS}
 """
 
-_ANSWERED_BY = "SELECT answered_by FROM regrade_request WHERE id = :id"
+_ANSWERED_BY = "SELECT answered_by FROM regrade_request WHERE id = %(id)s"

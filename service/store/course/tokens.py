@@ -89,7 +89,7 @@ async def find(database: Database, token: str) -> TokenInfo | None:
         return None
     if row.stale:
         async with database.begin() as connection:
-            await connection.execute("UPDATE token SET used_at = now() WHERE id = :id", {"id": row.id})
+            await connection.execute("UPDATE token SET used_at = now() WHERE id = %(id)s", {"id": row.id})
     over = f"was revoked on {row.revoked_at:%Y-%m-%d}" if row.revoked_at else None
     over = over or (f"expired on {row.expires_at:%Y-%m-%d}" if row.expired else None)
     return TokenInfo(row.id, row.name, row.role, frozenset(row.scopes), over)
@@ -177,8 +177,8 @@ def _tidy(code: str) -> str:
 
 _INSERT = """
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
-SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
-FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[]))
+SELECT p.id, new.digest, new.prefix, %(label)s, %(scopes)s, now() + make_interval(secs => %(seconds)s)
+FROM unnest(CAST(%(names)s AS text[]), CAST(%(digests)s AS text[]), CAST(%(prefixes)s AS text[]))
     AS new (name, digest, prefix)
     JOIN person p USING (name)
 """
@@ -187,53 +187,55 @@ SELECT t.id, p.name, coalesce(m.role, 'student') AS role, t.scopes, t.revoked_at
     t.expires_at < now() AS expired,
     coalesce(t.used_at < now() - interval '1 hour', true) AS stale
 FROM token t JOIN person p ON p.id = t.person_id
-    LEFT JOIN member m ON m.person_id = p.id AND m.course_id = (SELECT id FROM course WHERE slug = :course)
-WHERE t.digest = :digest
+    LEFT JOIN member m ON m.person_id = p.id AND m.course_id = (SELECT id FROM course WHERE slug = %(course)s)
+WHERE t.digest = %(digest)s
 """
 _REVOKE = """
 UPDATE token t SET revoked_at = now() FROM person p
-WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid)
-    OR p.name = CAST(:person AS text)) RETURNING t.id
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(%(id)s AS uuid)
+    OR p.name = CAST(%(person)s AS text)) RETURNING t.id
 """
 _REVOKE_OWN = """
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now()
-    AND t.id = :id AND p.name = :person RETURNING t.id
+    AND t.id = %(id)s AND p.name = %(person)s RETURNING t.id
 """
 _END = f"""
 UPDATE token t SET revoked_at = now() FROM person p
-WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
-    AND starts_with(t.prefix, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = %(person)s
+    AND starts_with(t.prefix, '{SESSION}') AND t.id IS DISTINCT FROM CAST(%(but)s AS uuid) RETURNING t.id
 """
 _DROP_LOGINS = (
-    "DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)"
+    "DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(%(person)s AS text)"
 )
 _LIST = """
 SELECT t.id, p.name, t.prefix, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
     t.expires_at < now() AS expired
-FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:person AS text), true)
+FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(%(person)s AS text), true)
     ORDER BY t.created_at DESC
 """
 _BEGIN = """
 INSERT INTO device_login (device_digest, user_code, label, expires_at)
-VALUES (:digest, :code, :label, now() + make_interval(secs => :seconds))
+VALUES (%(digest)s, %(code)s, %(label)s, now() + make_interval(secs => %(seconds)s))
 """
 _DROP_OLD = """
 DELETE FROM device_login WHERE expires_at < now() OR device_digest IN (
-    SELECT device_digest FROM device_login WHERE person_id IS NULL ORDER BY created_at DESC OFFSET :most
+    SELECT device_digest FROM device_login WHERE person_id IS NULL ORDER BY created_at DESC OFFSET %(most)s
 )
 """
 _OPEN = (
-    "SELECT label FROM device_login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND"
-    " NOT refused"
+    "SELECT label FROM device_login WHERE user_code = %(code)s AND expires_at > now() AND person_id IS NULL"
+    " AND NOT refused"
 )
 _CONFIRM = """
-UPDATE device_login SET person_id = :person, refused = :refused
-WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused RETURNING user_code
+UPDATE device_login SET person_id = %(person)s, refused = %(refused)s
+WHERE user_code = %(code)s AND expires_at > now() AND person_id IS NULL AND NOT refused RETURNING user_code
 """
 _COLLECT = """
-DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest
+DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = %(digest)s
     AND l.expires_at > now()
 RETURNING p.name, l.label
 """
-_PENDING = "SELECT 1 FROM device_login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"
+_PENDING = (
+    "SELECT 1 FROM device_login WHERE device_digest = %(digest)s AND expires_at > now() AND NOT refused"
+)

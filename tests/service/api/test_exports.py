@@ -71,9 +71,9 @@ async def graded(database, who, made, source="x", filename="submission.py"):
     one = replace(new(who), submission=Submission(source, filename))
     await accept(database, one)
     if made is not None:
-        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": one.id}))[
-            0
-        ].id
+        grading = (
+            await database.rows("SELECT id FROM grading WHERE submission_id = %(id)s", {"id": one.id})
+        )[0].id
         await runs.finish(database, await runs.claim(database, grading, uuid.uuid4(), "w"), made, {})
     return one.id
 

@@ -30,15 +30,15 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
         """Run the sweeps that are queued, as a worker does, until the requests are answered."""
         worker = Worker(Settings(database_url=database_url), "w1")
         worker._grader = NoSandbox()
-        while not all(request.done() for request in requests):
-            for row in await database.rows(
-                "SELECT args->>'attempt' AS grading FROM procrastinate_jobs WHERE task_name = 'sweep'"
-            ):
-                await worker._sweep(row.grading)
-                async with database.begin() as connection:
-                    await connection.execute("DELETE FROM procrastinate_jobs WHERE task_name = 'sweep'")
-            await asyncio.sleep(0.05)
-        await worker._database.close()
+        async with worker._database:
+            while not all(request.done() for request in requests):
+                for row in await database.rows(
+                    "SELECT args->>'attempt' AS grading FROM procrastinate_jobs WHERE task_name = 'sweep'"
+                ):
+                    await worker._sweep(row.grading)
+                    async with database.begin() as connection:
+                        await connection.execute("DELETE FROM procrastinate_jobs WHERE task_name = 'sweep'")
+                await asyncio.sleep(0.05)
 
     with ThreadPoolExecutor(2) as pool:
         requests = [pool.submit(get, form) for form in ("json", "svg")]

@@ -76,7 +76,7 @@ def made(right, secret=None):
 async def send(database, person, graded):
     one = new(person)
     await accept(database, one)
-    (grading,) = await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": one.id})
+    (grading,) = await database.rows("SELECT id FROM grading WHERE submission_id = %(id)s", {"id": one.id})
     claimed = await runs.claim(database, grading.id, uuid.uuid4(), "w")
     assert await runs.finish(database, claimed, replace(graded), {})
     return one.id

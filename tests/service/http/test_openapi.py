@@ -129,7 +129,9 @@ def ids(url):
     id, (waiting, _) = graded(url, "ann", "+", **picture), submitted(url, "ann")
 
     async def store(database):
-        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": id}))[0].id
+        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = %(id)s", {"id": id}))[
+            0
+        ].id
         await store_artefacts(database, grading, {name: name.encode() for name in ARTEFACTS})
 
         requested = await regrade_requests.request(database, other, "ann", "r")

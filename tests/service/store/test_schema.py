@@ -8,7 +8,6 @@ from pathlib import Path
 import psycopg
 import pytest
 from procrastinate.schema import migrations_path
-from sqlalchemy.exc import OperationalError
 
 from service.store import schema
 from service.store.postgres import backup, drill
@@ -193,7 +192,7 @@ def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(full_
     def start():
         try:
             migrate(full_url)
-        except OperationalError as error:
+        except psycopg.OperationalError as error:
             failures.append(error)
 
     waiting = (

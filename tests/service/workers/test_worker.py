@@ -38,11 +38,11 @@ def waiting(database_url):
 async def worker_on(url, grader=None, **settings):
     one = worker.Worker(Settings(database_url=url, **settings), "w1")
     one._grader = grader
-    try:
-        yield one
-    finally:
-        one._thread.shutdown()  # what still runs there plays in the sandbox of other tests
-        await one._database.close()
+    async with one._database:
+        try:
+            yield one
+        finally:
+            one._thread.shutdown()  # what still runs there plays in the sandbox of other tests
 
 
 def grade(url, grading, grader):
@@ -243,10 +243,7 @@ async def _stubborn(grading):
 def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, beat, look):
     async def times():
         one = worker.Worker(Settings(database_url="postgresql://nobody@127.0.0.1:1/none", lease=lease), "w")
-        try:
-            return one._heartbeat_s, one._round_s
-        finally:
-            await one._database.close()
+        return one._heartbeat_s, one._round_s
 
     assert asyncio.run(times()) == pytest.approx((beat, look))
 

@@ -34,8 +34,9 @@ STORE = [
     Breakage(
         "a second result overwrites the first",
         "service/store/runs.py",
-        ":grading_s)\n    ON CONFLICT DO NOTHING RETURNING",
-        ":grading_s)\n    ON CONFLICT (grading_id) DO UPDATE SET run_id = :run, report = :report RETURNING",
+        "%(grading_s)s)\n    ON CONFLICT DO NOTHING RETURNING",
+        "%(grading_s)s)\n    ON CONFLICT (grading_id) DO UPDATE SET"
+        " run_id = %(run)s, report = %(report)s RETURNING",
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
@@ -48,8 +49,8 @@ STORE = [
     Breakage(
         "a grading whose workers die is begun for ever",
         "service/store/runs.py",
-        "failed >= :most_failed OR lost + failed >= max_runs AS given_up",
-        "failed >= :most_failed AS given_up",
+        "failed >= %(most_failed)s OR lost + failed >= max_runs AS given_up",
+        "failed >= %(most_failed)s AS given_up",
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
@@ -118,8 +119,8 @@ STORE = [
     Breakage(
         "anybody may revoke anybody's token",
         "service/store/course/tokens.py",
-        "AND t.id = :id AND p.name = :person RETURNING t.id",
-        "AND t.id = :id RETURNING t.id",
+        "AND t.id = %(id)s AND p.name = %(person)s RETURNING t.id",
+        "AND t.id = %(id)s RETURNING t.id",
         ("tests/service/store/course/test_tokens.py",),
     ),
     Breakage(
@@ -132,8 +133,9 @@ STORE = [
     Breakage(
         "a list of one's own submissions has everybody's",
         "service/store/history.py",
-        "WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most",
-        "WHERE CAST(:person AS text) <> '' AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most",
+        "WHERE p.name = %(person)s AND x.slug = %(slug)s ORDER BY s.submitted_at DESC LIMIT %(most)s",
+        "WHERE CAST(%(person)s AS text) <> '' AND x.slug = %(slug)s ORDER BY s.submitted_at DESC"
+        " LIMIT %(most)s",
         ("tests/service/store/test_history.py",),
     ),
     Breakage(
@@ -160,8 +162,8 @@ STORE = [
     Breakage(
         "a regrade is applied twice",
         "service/store/regrades.py",
-        "decided_at = clock_timestamp()\nWHERE id = :id AND decided IS NULL",
-        "decided_at = clock_timestamp()\nWHERE id = :id",
+        "decided_at = clock_timestamp()\nWHERE id = %(id)s AND decided IS NULL",
+        "decided_at = clock_timestamp()\nWHERE id = %(id)s",
         ("tests/service/store/test_regrades.py::test_applied_twice_or_dropped_meanwhile_is_decided_once",),
     ),
     Breakage(

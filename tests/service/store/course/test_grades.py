@@ -25,12 +25,9 @@ class Counting(Database):
 
 def counted(url, action):
     async def count(_):
-        database = Counting(url, "counting", connections=2)
-        try:
+        async with Counting(url, "counting", connections=2) as database:
             found = await action(database)
             return database.asked, found
-        finally:
-            await database.close()
 
     return run(url, count)
 

@@ -68,7 +68,7 @@ def again(url, submission):
     run(url, grade)
 
 
-NEWEST = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+NEWEST = "SELECT id FROM grading WHERE submission_id = %(id)s ORDER BY number DESC LIMIT 1"
 
 
 def test_counting_deletes_nothing(database_url, submission):

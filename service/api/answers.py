@@ -45,11 +45,12 @@ ReportDocument = Annotated[
 
 
 class Named(BaseModel):
-    """An assignment."""
+    """An assignment; ``available_from`` is null once students can see it."""
 
     slug: str
     title: str
     version: str
+    available_from: Moment | None = None
 
 
 class Check(BaseModel):

@@ -10,7 +10,7 @@ from fastapi import APIRouter
 
 from polhode.judging.judge import MARKS, Verdict
 from service.api import answers
-from service.api.submissions import Assigned
+from service.api.submissions import Available
 from service.auth.identity import STAFF, Person, Reader
 from service.http.openapi import PERSON, problems
 from service.http.state import Db
@@ -22,9 +22,16 @@ router = APIRouter(tags=["Submissions"])
 
 @router.get(
     "/v1/assignments/{slug}/submissions",
-    responses=problems(PERSON | {404: "not-found", 503: ("assignment-broken", "busy")}),
+    responses=problems(
+        PERSON
+        | {
+            403: ("not-allowed", "not-available"),
+            404: "not-found",
+            503: ("assignment-broken", "busy"),
+        }
+    ),
 )
-async def list_own(assignment: Assigned, person: Reader, database: Db) -> answers.History:
+async def list_own(assignment: Available, person: Reader, database: Db) -> answers.History:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
     the best and last ids, and the person's own deadline and number of submissions.
     """

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request, Response
 
 from exercises.authoring.publishing import public_side, wheel
 from polhode.client import build
-from service.api.submissions import Assigned
+from service.api.submissions import Available
 from service.http.errors import Problem
 from service.http.openapi import media, problems
 from service.http.requests import PublicAddress
@@ -33,9 +33,9 @@ async def kit(name: str) -> Response:
 @router.get(
     "/v1/assignments/{slug}/kit",
     response_class=Response,
-    responses=media(WHEEL) | problems({404: "not-found", 503: "assignment-broken"}),
+    responses=media(WHEEL) | problems({403: "not-available", 404: "not-found", 503: "assignment-broken"}),
 )
-async def public(assignment: Assigned, request: Request) -> Response:
+async def public(assignment: Available, request: Request) -> Response:
     """Return what the kit needs of an assignment, as a zip: its public checks, data files and the course's
     packages.
 
@@ -52,9 +52,9 @@ async def public(assignment: Assigned, request: Request) -> Response:
 @router.get(
     "/v1/assignments/{slug}/notebook.ipynb",
     response_class=Response,
-    responses=media(NOTEBOOK) | problems({404: "not-found", 503: "assignment-broken"}),
+    responses=media(NOTEBOOK) | problems({403: "not-available", 404: "not-found", 503: "assignment-broken"}),
 )
-async def notebook(assignment: Assigned, server: PublicAddress) -> Response:
+async def notebook(assignment: Available, server: PublicAddress) -> Response:
     """Return the assignment's notebook, ready to run against this server."""
     slug = assignment.slug
     content = wheel.notebook(assignment, server, f"{server}/kit/{build.WHEEL}")

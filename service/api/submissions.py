@@ -23,6 +23,7 @@ from service.api import answers, parse_submission
 from service.api.health import WorkerStatus
 from service.api.release import NOT_RELEASED, visible
 from service.auth.identity import STAFF, Person, Reader, Submitter
+from service.auth.roles import OptionalUser
 from service.formats import junit
 from service.formats.grade_row import whole
 from service.grading.result import GradedFile
@@ -32,7 +33,7 @@ from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.http.state import Config, Db, Held
 from service.http.templating import ZONE
 from service.store import records
-from service.store.course import comments, overrides, regrade_requests
+from service.store.course import assignment_settings, comments, overrides, regrade_requests
 from service.store.database import is_loss, is_outage
 from service.store.records import NewSubmission, SubmissionRecord
 from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
@@ -81,17 +82,38 @@ async def _submission(id: str, person: Reader, database: Db) -> SubmissionRecord
 
 
 Assigned = Annotated[Assignment, Depends(find_assignment)]
+
+
+async def _find_available(assignment: Assigned, person: OptionalUser, database: Db) -> Assignment:
+    """Return the assignment. Raises Problem 403 for anybody but the course staff before it is available."""
+    if person is None or person.role not in STAFF:
+        opens = (await assignment_settings.opening(database)).get(assignment.slug)
+        if opens is not None:
+            at = f"{opens.astimezone(ZONE.get()):%Y-%m-%d %H:%M} {ZONE.get()}"
+            raise Problem(403, "not-available", f"{assignment.title} is available from {at}: come back then")
+    return assignment
+
+
+Available = Annotated[Assignment, Depends(_find_available)]
+"""An assignment as students see it: only once it is available."""
 Submission = Annotated[SubmissionRecord, Depends(_submission)]
 
 
 @catalogue.get("/v1/assignments", responses=problems({}))
-async def list_assignments() -> list[answers.Named]:
-    """Return slug, title and version of every assignment."""
-    return [answers.Named(slug=a.slug, title=a.title, version=a.version) for a in assignments().values()]
+async def list_assignments(database: Db) -> list[answers.Named]:
+    """Return slug, title and version of every assignment, and ``available_from`` if that is still to come."""
+    opens = await assignment_settings.opening(database)
+    return [
+        answers.Named(slug=a.slug, title=a.title, version=a.version, available_from=opens.get(a.slug))
+        for a in assignments().values()
+    ]
 
 
-@catalogue.get("/v1/assignments/{slug}", responses=problems({404: "not-found", 503: "assignment-broken"}))
-async def show_assignment(assignment: Assigned) -> answers.Described:
+@catalogue.get(
+    "/v1/assignments/{slug}",
+    responses=problems({403: "not-available", 404: "not-found", 503: "assignment-broken"}),
+)
+async def show_assignment(assignment: Available) -> answers.Described:
     """Return the exercises with their functions and checks; each check has its tolerance, the reason
     for it, and ``hidden``.
     """
@@ -166,7 +188,7 @@ SUBMIT_BODY = {
 }
 SUBMIT_PROBLEMS: dict[int, Kinds] = {
     401: "nobody",
-    403: ("deadline-over", "none-left", "not-allowed"),
+    403: ("deadline-over", "none-left", "not-allowed", "not-available"),
     404: "not-found",
     408: "timed-out",
     413: "too-large",
@@ -189,7 +211,7 @@ async def _may_repeat(request: Request, prefer: Prefer = None) -> bool:
 
 async def store_submission(
     request: Request,
-    assignment: Assigned,
+    assignment: Available,
     person: Submitter,
     database: Db,
     settings: Config,

@@ -16,8 +16,7 @@ from exercises.authoring.assignments.samples import samples
 from service.cli.database import database_url, run_async
 from service.grading.submission import Submission
 from service.settings import Settings
-from service.store import queue_overview
-from service.store.course import deadlines, people, tokens
+from service.store.course import assignment_settings, deadlines, people, tokens
 from service.store.database import Database
 from service.store.records import NewSubmission
 from service.store.submissions import accept, register
@@ -136,10 +135,8 @@ async def _add_class(database: Database, chosen: Sequence[Assignment]) -> int:
         await people.enroll(connection, [("local", "instructor"), *roster])
     due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
     for week, assignment in enumerate(chosen):
-        rules = queue_overview.Rules(
-            due + timedelta(weeks=week), 3600.0, None, weight=2.0 if week == 0 else 1.0
-        )
-        await queue_overview.set_rules(database, assignment.slug, rules, BY)
+        settings = {"due_at": due + timedelta(weeks=week), "grace_s": 3600.0, "weight": 1.0 + (week == 0)}
+        await assignment_settings.change(database, assignment.slug, settings, BY)
     late = due + timedelta(days=3)
     await deadlines.extend(
         database, chosen[0].slug, roster[4][0], late, reason="was ill for three days", by=BY

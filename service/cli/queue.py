@@ -12,10 +12,11 @@ from service.cli.arguments import number
 from service.cli.database import database_url, in_database, run_async
 from service.cli.errors import CommandError
 from service.settings import Settings
-from service.store.queue_overview import QueueSnapshot, change_rules, regrade, snapshot
+from service.store.course import assignment_settings
+from service.store.queue_overview import QueueSnapshot, regrade, snapshot
 
 EVERY_S = 1.0
-NONE, RULES = "none", ("due_at", "grace_s", "submission_limit", "weight")
+NONE = "none"
 _LIMIT = number(int, lambda n: 1 <= n <= 10**6, detail="expected a number from 1 to 1000000, or none")
 
 
@@ -42,6 +43,12 @@ def add_assign(parser: argparse.ArgumentParser) -> None:
     # distinguishes an option that is not given from one that removes a limit
     parser.argument_default = argparse.SUPPRESS
     parser.add_argument("slug", help="slug of the assignment")
+    parser.add_argument(
+        "--available-from",
+        type=_moment,
+        metavar="TIME",
+        help="show students the title only before this time; none: available now",
+    )
     parser.add_argument(
         "--due",
         dest="due_at",
@@ -118,18 +125,26 @@ def _regrade(arguments: argparse.Namespace) -> None:
 
 
 def _assign(arguments: argparse.Namespace) -> None:
-    changes = {name: value for name, value in vars(arguments).items() if name in RULES}
-    rules = in_database(lambda database: change_rules(database, arguments.slug, changes, getpass.getuser()))
-    if rules is None:
+    given = vars(arguments)
+    changes = {name: given[name] for name in assignment_settings.NAMES if name in given}
+    found = in_database(
+        lambda database: assignment_settings.change(database, arguments.slug, changes, getpass.getuser())
+    )
+    if found is None:
         raise CommandError(
             f"the database has no assignment {arguments.slug}: polhode assignments lists the known ones"
         )
-    due = f"due {rules.due_at.astimezone(UTC).isoformat()}" if rules.due_at else "no deadline"
-    limit = rules.submission_limit or "unlimited"
+    opens = f"available from {_utc(found.available_from)}, " if found.available_from else ""
+    due = f"due {_utc(found.due_at)}" if found.due_at else "no deadline"
+    limit = found.submission_limit or "unlimited"
     print(
-        f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student, weight"
-        f" {rules.weight:g}"
+        f"{arguments.slug}: {opens}{due}, grace period {found.grace_s:g} s, {limit} submissions per student,"
+        f" weight {found.weight:g}"
     )
+
+
+def _utc(moment: datetime) -> str:
+    return moment.astimezone(UTC).isoformat()
 
 
 def _moment(text: str) -> datetime | None:

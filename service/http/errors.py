@@ -35,6 +35,7 @@ TITLES = {
     "login-over": "Login expired or refused",
     "none-left": "Submission limit reached",
     "not-allowed": "Permission denied",
+    "not-available": "Not available yet",
     "not-found": "Not found",
     "not-ready": "Not ready yet",
     "timed-out": "Request timed out",

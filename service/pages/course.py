@@ -14,7 +14,7 @@ from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
 from service.api.history import list_own
 from service.api.release import visible_row
-from service.api.submissions import Assigned, Stored
+from service.api.submissions import Available, Stored
 from service.auth import forms
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser, OptionalUser, Staff
@@ -77,7 +77,7 @@ def _self_reported(checks: Sequence[Check]) -> str:
 async def own_submissions(
     request: Request,
     person: CurrentUser,
-    assignment: Assigned,
+    assignment: Available,
     database: Db,
     same: Annotated[str, Query(max_length=40)] = "",
 ) -> Response:
@@ -104,7 +104,7 @@ async def show_help(request: Request, person: OptionalUser) -> Response:
 
 
 @router.get("/assignments/{slug}/notebook", response_class=HTMLResponse)
-async def read_notebook(request: Request, person: CurrentUser, assignment: Assigned) -> Response:
+async def read_notebook(request: Request, person: CurrentUser, assignment: Available) -> Response:
     """Show the students' notebook to read."""
     blocks = await asyncio.to_thread(lambda: notebook_text.blocks(assignment.notebook()))
     context = {"assignment": assignment, "blocks": blocks}

@@ -6,12 +6,12 @@ from datetime import UTC, datetime, timedelta
 from service.store.database import Row
 
 SOON = timedelta(days=14)
-OPEN, LATER, CLOSED = "Open", "Due later", "Closed"
+OPEN, LATER, NOT_YET, CLOSED = "Open", "Due later", "Not yet available", "Closed"
 
 
 def groups(rows: Sequence[Row], own: Mapping[str, Row], order: Sequence[str]) -> dict[str, list[Row]]:
-    """Return the assignments by whether they are open, due in more than two weeks, or closed; in each group
-    the next deadline first, those without one last, and closed ones latest first.
+    """Return the assignments by whether they are open, due in more than two weeks, not yet available, or
+    closed; in each group the next deadline first, those without one last, and closed ones latest first.
 
     ``own`` are a student's own rules by assignment, which have their extensions; ``order`` that of the
     catalogue.
@@ -25,10 +25,11 @@ def groups(rows: Sequence[Row], own: Mapping[str, Row], order: Sequence[str]) ->
     for row in sorted(rows, key=lambda row: (due(row), order.index(row.slug))):
         over = due(row) + timedelta(seconds=row.grace_s) < now if due(row) < far else False
         later = now + SOON < due(row) < far
-        found.setdefault(CLOSED if over else LATER if later else OPEN, []).append(row)
+        group = CLOSED if over else NOT_YET if not row.available else LATER if later else OPEN
+        found.setdefault(group, []).append(row)
     if CLOSED in found:
         found[CLOSED].reverse()
-    return {name: found[name] for name in (OPEN, LATER, CLOSED) if name in found}
+    return {name: found[name] for name in (OPEN, LATER, NOT_YET, CLOSED) if name in found}
 
 
 def due_at(row: Row, own: Mapping[str, Row]) -> datetime | None:

@@ -16,8 +16,9 @@ from service.http.state import Db
 from service.http.templating import ZONE, find_zone, templates
 from service.pages import class_tabs
 from service.pages.rejected_forms import post_form
-from service.store.course import course_settings, gradebook
-from service.store.course.course_settings import RELEASES, CourseSettings
+from service.store.course import assignment_settings, course_settings, gradebook
+from service.store.course.assignment_settings import RELEASES
+from service.store.course.course_settings import CourseSettings
 from service.store.database import Row, is_outage
 
 router = APIRouter()
@@ -87,10 +88,11 @@ async def set_release(person: Instructor, form: forms.Form, assignment: Assigned
             "scores": released if what == "scores" else None,
             "details": released if what == "details" else None,
         }
-        await course_settings.release(database, slug, **chosen, actor=person.name)
+        await assignment_settings.release(database, slug, **chosen, actor=person.name)
     else:
         scores, details = (_release(form, name) for name in ("scores", "details"))
-        await course_settings.set_releases(database, slug, scores, details, person.name)
+        changes = {"scores_release": scores, "details_release": details}
+        await assignment_settings.change(database, slug, changes, person.name)
     return RedirectResponse(f"/assignments/{slug}/class/settings#release", 303)
 
 

@@ -19,8 +19,8 @@ from service.http.state import Db, Held
 from service.http.templating import ZONE
 from service.pages import class_tabs
 from service.pages.rejected_forms import post_form
-from service.store import queue_overview, sweeps
-from service.store.course import deadlines, gradebook
+from service.store import sweeps
+from service.store.course import assignment_settings, deadlines, gradebook
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED, MOST_WEIGHT = 60 * 24 * 366, 10_000, 1000
@@ -52,19 +52,20 @@ async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, dat
 
 @post_form(router, "/assignments/{slug}/rules", page=class_tabs.show_settings, at=class_tabs.SETTINGS)
 async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
-    """Set deadline, grace period, submission limit and weight. An empty field means no limit, and the weight
-    1.
+    """Set from when the assignment is available, deadline, grace period, submission limit and weight. An
+    empty field means no limit, and the weight 1.
     """
     grace = forms.number(form, "grace", 0, MOST_GRACE_MIN, 0.0)
     most = forms.number(form, "most", 1, MOST_ALLOWED, None)
     weight = forms.number(form, "weight", 0, MOST_WEIGHT, None)
-    rules = queue_overview.Rules(
-        _datetime(form, "due"),
-        60.0 * grace,
-        None if most is None else int(most),
-        1.0 if weight is None else weight,
-    )
-    await queue_overview.set_rules(database, assignment.slug, rules, person.name)
+    settings = {
+        "available_from": _datetime(form, "available_from"),
+        "due_at": _datetime(form, "due"),
+        "grace_s": 60.0 * grace,
+        "submission_limit": None if most is None else int(most),
+        "weight": 1.0 if weight is None else weight,
+    }
+    await assignment_settings.change(database, assignment.slug, settings, person.name)
     return RedirectResponse(f"/assignments/{assignment.slug}/class/settings", 303)
 
 

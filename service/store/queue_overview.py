@@ -1,8 +1,7 @@
 """Show the queue to the staff, and regrade submissions immediately."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from datetime import datetime
+from collections.abc import Sequence
+from dataclasses import dataclass
 from uuid import UUID
 
 from service.store import runs
@@ -23,18 +22,6 @@ class QueueSnapshot:
     going: Sequence[Row]
     workers: Sequence[Row]
     faults: Sequence[Row]
-
-
-@dataclass(frozen=True)
-class Rules:
-    """Deadline, grace period in seconds, submission limit (None: no limit) and weight in the course of an
-    assignment.
-    """
-
-    due_at: datetime | None
-    grace_s: float
-    submission_limit: int | None
-    weight: float = 1.0
 
 
 async def snapshot(database: Database) -> QueueSnapshot:
@@ -69,39 +56,6 @@ async def regrade(
             count += 1
     return count
 
-
-async def set_rules(database: Database, slug: str, rules: Rules, actor: str) -> bool:
-    """Set the rules of an assignment. Return False if the assignment does not exist."""
-    return await change_rules(database, slug, asdict(rules), actor) is not None
-
-
-async def change_rules(
-    database: Database, slug: str, changes: Mapping[str, datetime | float | None], actor: str
-) -> Rules | None:
-    """Change the rules named in ``changes``, which are fields of Rules, and return all rules of the
-    assignment.
-
-    Return None if the assignment does not exist.
-    """
-    async with database.begin() as connection:
-        row = await connection.first(_RULES, {"slug": slug})
-        if row is not None and changes:
-            (row,) = await connection.rows(_SET_RULES, {"slug": slug, **row._asdict(), **changes})
-            await audit.record(
-                connection, actor, "rules", slug, {name: str(value) for name, value in row._asdict().items()}
-            )
-    return None if row is None else Rules(**row._asdict())
-
-
-_COLUMNS = "due_at, grace_s, submission_limit, weight"
-
-_RULES = f"SELECT {_COLUMNS} FROM assignment WHERE slug = %(slug)s FOR NO KEY UPDATE"
-
-_SET_RULES = f"""
-UPDATE assignment SET due_at = %(due_at)s, grace_s = %(grace_s)s, submission_limit = %(submission_limit)s,
-    weight = %(weight)s
-WHERE slug = %(slug)s RETURNING {_COLUMNS}
-"""
 
 _WAITING = """
 SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch

@@ -7,8 +7,16 @@ from datetime import UTC, datetime, timedelta
 from urllib.parse import quote
 
 from service.grading.submission import Submission
-from service.store import gradings, queue_overview, regrades, runs, workers
-from service.store.course import audit, comments, deadlines, overrides, people, regrade_requests
+from service.store import gradings, regrades, runs, workers
+from service.store.course import (
+    assignment_settings,
+    audit,
+    comments,
+    deadlines,
+    overrides,
+    people,
+    regrade_requests,
+)
 from service.store.records import NewSubmission
 from service.store.submissions import accept
 from tests.support import submissions
@@ -51,7 +59,8 @@ async def _fill(database, url, sandbox, source, texts):
         filename=texts["filename"],
     )
     later = datetime.now(UTC) + timedelta(days=20)
-    await queue_overview.set_rules(database, ASSIGNMENT.slug, queue_overview.Rules(later, 3600.0, 20), "prof")
+    rules = {"due_at": later, "grace_s": 3600.0, "submission_limit": 20}
+    await assignment_settings.change(database, ASSIGNMENT.slug, rules, "prof")
     await deadlines.extend(
         database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof"
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
+from service.store.course import assignment_settings
 from service.store.course.grades import SENT, best
 from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
@@ -95,9 +96,9 @@ ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 """
 
 _OVERVIEW = f"""
-SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, x.scores_release, x.scores_released_at,
-    x.details_release,
-    x.details_released_at, coalesce(class.students, 0) AS students,
+SELECT x.slug, {", ".join(f"x.{name}" for name in assignment_settings.NAMES)},
+    x.scores_released_at, x.details_released_at, coalesce(x.available_from <= now(), true) AS available,
+    coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions,
     coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (

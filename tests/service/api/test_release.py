@@ -17,8 +17,8 @@ from polhode.judging.judge import RowsRight
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Picture, SceneEnd
 from service import app
 from service.api import figures
-from service.store import queue_overview, runs
-from service.store.course import course_settings, overrides
+from service.store import runs
+from service.store.course import assignment_settings, overrides
 from service.store.submissions import accept
 from tests.support.database import entered, new, new_database, run, sql
 from tests.support.http_client import call
@@ -131,7 +131,8 @@ def answer(server, sent, path, who):
 
 def release(url, **modes):
     modes = {"scores": "immediately", "details": "immediately"} | modes
-    run(url, lambda d: course_settings.set_releases(d, SLUG, modes["scores"], modes["details"], "prof"))
+    releases = {f"{what}_release": mode for what, mode in modes.items()}
+    run(url, lambda d: assignment_settings.change(d, SLUG, releases, "prof"))
 
 
 ALL = sorted(set(paths()))
@@ -189,7 +190,9 @@ def test_scores_are_released_by_hand_and_withheld_again(server, url, sent):
     for released in (False, True, False):
         run(
             url,
-            lambda d, on=released: course_settings.release(d, SLUG, scores=on, details=None, actor="prof"),
+            lambda d, on=released: assignment_settings.release(
+                d, SLUG, scores=on, details=None, actor="prof"
+            ),
         )
         told = document(server, sent, "ann")
         assert (told["report"] is not None, told.get("scores_released", True)) == (released, released)
@@ -221,14 +224,14 @@ def test_scores_are_released_at_the_own_deadline(server, url, sent):
     ):
         run(
             url,
-            lambda d, rules=(due, grace, None): queue_overview.set_rules(
-                d, SLUG, queue_overview.Rules(*rules), "prof"
+            lambda d, rules={"due_at": due, "grace_s": grace}: assignment_settings.change(
+                d, SLUG, rules, "prof"
             ),
         )
         assert (document(server, sent, "ann")["report"] is not None) == ann
         assert document(server, sent, "ben")["report"] is None
     sql(url, "DELETE FROM extension")
-    run(url, lambda d: queue_overview.set_rules(d, SLUG, queue_overview.Rules(None, 0, None), "prof"))
+    run(url, lambda d: assignment_settings.change(d, SLUG, {"due_at": None, "grace_s": 0}, "prof"))
 
 
 def test_overrides_are_withheld_with_the_scores(server, url, sent):

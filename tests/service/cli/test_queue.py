@@ -58,7 +58,16 @@ def test_each_rule_can_be_removed(assign, database_url):
     )
     assign()
     recorded = [
-        row[0] for row in sql(database_url, "SELECT detail FROM audit WHERE action = 'rules' ORDER BY id")
+        row[0]
+        for row in sql(
+            database_url, "SELECT detail FROM audit WHERE action = 'assignment settings' ORDER BY id"
+        )
     ]
-    assert len(recorded) == 4, "showing the rules is no change"
-    assert recorded[1] == {"due_at": "None", "grace_s": "60.0", "submission_limit": "3", "weight": "1.0"}
+    assert len(recorded) == 4, "showing the settings is no change"
+    assert recorded[1] == {"due_at": "None"} and recorded[3] == {"grace_s": "0.0", "weight": "2.5"}
+
+
+def test_it_can_be_hidden_until_a_time(assign):
+    line, _ = assign("--available-from", "2026-11-01T08:00+01:00")
+    assert line.startswith("rigid-body: available from 2026-11-01T07:00:00+00:00, no deadline, ")
+    assert "available" not in assign("--available-from", "none")[0]

@@ -10,9 +10,9 @@ from service.pages.course_cards import groups, next_deadline
 ORDER = ["a", "b", "c", "d"]
 
 
-def row(slug, days, grace_h=0.0):
+def row(slug, days, grace_h=0.0, available=True):
     due = None if days is None else datetime.now(UTC) + timedelta(days=days)
-    return SimpleNamespace(slug=slug, due_at=due, grace_s=3600 * grace_h)
+    return SimpleNamespace(slug=slug, due_at=due, grace_s=3600 * grace_h, available=available)
 
 
 def slugs(*rows, own=()):
@@ -39,6 +39,13 @@ def test_closed_ones_are_latest_first_and_open_while_in_their_grace_period():
 def test_a_students_own_deadline_counts(days, group):
     found, _ = slugs(row("a", -3), own=[row("a", days)])
     assert found == {group: ["a"]}
+
+
+def test_one_that_is_not_yet_available_is_neither_open_nor_the_next_one():
+    assert slugs(row("a", 1, available=False), row("b", 3), row("c", -2, available=False)) == (
+        {"Open": ["b"], "Not yet available": ["a"], "Closed": ["c"]},
+        "b",
+    )
 
 
 def test_without_a_deadline_ahead_there_is_no_next_one():

@@ -282,14 +282,14 @@ STORE = [
     Breakage(
         "missing tables are an internal error",
         "service/store/database.py",
-        "return is_loss(error) or isinstance(",
-        "return isinstance(error, DatabaseLost) or isinstance(",
+        "return isinstance(error, outages) or is_loss(error)",
+        "return isinstance(error, outages)",
         ("tests/service/api/test_health.py::test_missing_tables_are_an_outage_that_is_logged_once",),
     ),
     Breakage(
         "a database whose tables were dropped becomes an empty course",
         "service/store/schema.py",
-        "            _mark(connection)\n",
+        "        _mark(connection)\n",
         "",
         (
             "tests/service/store/test_schema.py::test_a_database_that_lost_tables_does_not_become_an_empty_course",

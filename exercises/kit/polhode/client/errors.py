@@ -13,6 +13,7 @@ LONGEST_DETAIL, SHORTEST_TOKEN = 500, 6
 SENTENCES = {
     "nobody": "You are not logged in at {place}{detail}: run polhode.login() and try again.",
     "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
+    "not-available": "The assignment is not available yet{detail}.",
     "none-left": "You have no submissions left{detail}: nothing was submitted.",
     "too-many-open": "Nothing was submitted{detail}.",
     "too-large": (

@@ -6,8 +6,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from service.store import queue_overview
-from service.store.course import deadlines, gradebook, people
+from service.store.course import assignment_settings, deadlines, gradebook, people
 from tests.support.database import run, sql
 from tests.support.submissions import hand_in
 
@@ -90,8 +89,8 @@ def test_a_held_grading_changes_nothing(database_url):
 def set_rules(url, due, grace=3600.0):
     run(
         url,
-        lambda database: queue_overview.set_rules(
-            database, "rigid-body", queue_overview.Rules(due, grace, None), "prof"
+        lambda database: assignment_settings.change(
+            database, "rigid-body", {"due_at": due, "grace_s": grace}, "prof"
         ),
     )
 
@@ -117,7 +116,8 @@ def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database
     set_rules(database_url, None)
     assert not standing(database_url, "ann").late
     assert [row[0] for row in sql(database_url, "SELECT action FROM audit ORDER BY id")] == [
-        "rules", "extension", "extension taken back", "rules", "rules",
+        "assignment settings", "extension", "extension taken back", "assignment settings",
+        "assignment settings",
     ]  # fmt: skip
 
 

@@ -16,7 +16,7 @@ import psycopg
 from bench.queue import server
 from polhode.report.document import document
 from service.store.course import gradebook
-from service.store.course.people import COURSE
+from service.store.people.people import COURSE
 from service.store.postgres.server import running_url
 from tests.support.reports import ASSIGNMENT, SLIP, report_of_marks
 

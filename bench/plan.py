@@ -1,5 +1,5 @@
 """``python -m bench.plan``: event-by-event simulation of how long students wait at a deadline, with the queue
-order of ``service.store.queue``.
+order of ``service.store.queue.jobs``.
 
 Each student sends each submission at a random time, independent of the others and of any result. The times
 before the deadline are uniform; with ``rush`` their density grows linearly from zero to the deadline. Each
@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from service.store.queue import SLOW_STEP
+from service.store.queue.jobs import SLOW_STEP
 
 MEASURED = Path(__file__).with_name("measured") / "service-times.json"
 MOST, YEAR_MIN = 5_000_000, 366 * 24 * 60

@@ -32,9 +32,9 @@ from service.grading.submission import Submission
 from service.store.database import Database
 from service.store.postgres.os_user import as_server, own
 from service.store.postgres.server import find_programs
-from service.store.records import NewSubmission
 from service.store.schema import migrate
-from service.store.submissions import accept, register
+from service.store.submissions.accepting import accept, register
+from service.store.submissions.records import NewSubmission
 
 CGROUP = Path("/sys/fs/cgroup/cpu")
 PERIOD_US, TICK = 100_000, os.sysconf("SC_CLK_TCK")

@@ -50,10 +50,10 @@ from service.pages import (
 from service.pages import feedback as feedback_pages
 from service.pages.rejected_forms import form_state
 from service.settings import Settings
-from service.store import queue_overview
-from service.store.course.people import secret
 from service.store.database import Database
-from service.store.submissions import register
+from service.store.people.people import secret
+from service.store.queue import overview as queue_overview
+from service.store.submissions.accepting import register
 
 log = logging.getLogger(__name__)
 ROUTERS = (

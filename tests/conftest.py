@@ -13,8 +13,8 @@ from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from service.store.postgres.server import EmbeddedPostgres
+from service.store.queue.workers import LEASE_S
 from service.store.schema import migrate
-from service.store.workers import LEASE_S
 from tests.support.database import connections_left, new_database, sql
 from tests.support.hub import Hub
 from tests.support.kit import installed

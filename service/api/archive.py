@@ -14,8 +14,8 @@ from service.formats.filenames import UniqueNames, ZipStream, safe_filename
 from service.formats.grade_row import moment
 from service.formats.spreadsheet_csv import BYTE_ORDER_MARK, Value, table
 from service.store.course.grades import overrides, submissions, trail
-from service.store.course.people import ROSTER
 from service.store.database import Database, Row
+from service.store.people.people import ROSTER
 
 AUDIT = ("at", "who", "action", "subject", "detail")
 OVERRIDES = (

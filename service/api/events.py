@@ -12,7 +12,7 @@ from service.http.live import Listener
 from service.http.openapi import PERSON, problems
 from service.http.state import Held
 from service.store.database import is_outage
-from service.store.records import SubmissionRecord
+from service.store.submissions.records import SubmissionRecord
 
 router = APIRouter(tags=["Submissions"])
 LONGEST_S = 3600.0

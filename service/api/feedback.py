@@ -17,7 +17,7 @@ from service.http.state import Db
 from service.store.course import comments, regrade_requests
 from service.store.course.comments import Comment
 from service.store.course.regrade_requests import RegradeRequest, RequestRejected
-from service.store.records import SubmissionRecord
+from service.store.submissions.records import SubmissionRecord
 
 router = APIRouter(route_class=SmallBody, tags=["Feedback"])
 STORED = PERSON | {404: "not-found"}

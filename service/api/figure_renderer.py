@@ -13,7 +13,7 @@ from exercises.authoring.assignments.catalogue import assignments
 from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading import rendering
 from service.sandbox.result import SystemFault
-from service.store.records import SubmissionRecord
+from service.store.submissions.records import SubmissionRecord
 
 T = TypeVar("T")
 TIMEOUT_S = 60.0

@@ -16,9 +16,9 @@ from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems
 from service.http.state import Db, Held
-from service.store import sweeps
-from service.store.artefacts import find_artefact, store_artefacts
-from service.store.records import SubmissionRecord
+from service.store.submissions import sweeps
+from service.store.submissions.artefacts import find_artefact, store_artefacts
+from service.store.submissions.records import SubmissionRecord
 
 router = APIRouter(tags=["Figures"])
 SWEEP_WAIT_S = 50.0

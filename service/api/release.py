@@ -10,7 +10,7 @@ from service.auth.identity import STAFF, Person
 from service.grading.author_errors import FAULT
 from service.grading.withholding import without_details
 from service.store.database import Row
-from service.store.records import SubmissionRecord
+from service.store.submissions.records import SubmissionRecord
 
 NOT_RELEASED = "the scores of this assignment have not been released yet: look again later"
 SCORES: dict[str, Any] = {

@@ -32,11 +32,11 @@ from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.http.state import Config, Db, Held
 from service.http.templating import ZONE
-from service.store import records
 from service.store.course import assignment_settings, comments, overrides, regrade_requests
 from service.store.database import is_loss, is_outage
-from service.store.records import NewSubmission, SubmissionRecord
-from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
+from service.store.submissions import records
+from service.store.submissions.accepting import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
+from service.store.submissions.records import NewSubmission, SubmissionRecord
 
 catalogue = APIRouter(tags=["Assignments"])
 router = APIRouter(tags=["Submissions"])

@@ -14,7 +14,7 @@ from service.http.errors import Problem
 from service.http.openapi import PERSON, also, problems
 from service.http.requests import PublicAddress, SmallBody
 from service.http.state import Config, Db, Held
-from service.store.course import tokens
+from service.store.people import tokens
 
 router = APIRouter(route_class=SmallBody, tags=["Login and account"])
 INTERVAL_S = 2

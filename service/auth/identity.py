@@ -18,8 +18,8 @@ from service.http.errors import Problem
 from service.http.requests import PublicAddress, is_own_host
 from service.http.state import Config, Db, Held
 from service.settings import Settings
-from service.store.course import people, tokens
 from service.store.database import Database
+from service.store.people import people, tokens
 
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = sessions.COOKIE

@@ -11,7 +11,7 @@ from http.client import HTTPException
 from typing import Any
 
 from service.http.errors import Problem
-from service.store.course import people
+from service.store.people import people
 
 CACHED_S, REFUSED_S, TIMEOUT_S, MOST_CACHED, LONGEST_TOKEN = 60.0, 5.0, 5.0, 10_000, 300
 

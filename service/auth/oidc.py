@@ -21,7 +21,7 @@ from service.http.errors import Problem
 from service.http.requests import LONGEST_PATH, PublicAddress, local_path
 from service.http.state import Config, Db, Held
 from service.settings import Settings
-from service.store.course import credentials, people
+from service.store.people import credentials, people
 
 router = APIRouter()
 COOKIE, PATH, SIGN_IN_S, TIMEOUT_S = "polhode_sign_in", "/oidc", 600, 5.0

@@ -11,8 +11,8 @@ from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
 
 from service.http.errors import Problem
-from service.store.course import credentials
 from service.store.database import Database
+from service.store.people import credentials
 
 SHORTEST, LONGEST = 10, 200
 THREADS, MOST_WAITING = 2, 64  # a hash takes 64 MiB and about 50 ms

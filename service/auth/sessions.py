@@ -14,8 +14,9 @@ from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
 from service.http.requests import PublicAddress
 from service.http.state import Db, Held
-from service.store.course import audit, tokens
+from service.store.course import audit
 from service.store.database import Database
+from service.store.people import tokens
 
 COOKIE = "polhode_session"  # the session's secret, signed
 KNOWN = "polhode_known"  # the person that last logged in with this browser

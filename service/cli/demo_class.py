@@ -16,10 +16,11 @@ from exercises.authoring.assignments.samples import samples
 from service.cli.database import database_url, run_async
 from service.grading.submission import Submission
 from service.settings import Settings
-from service.store.course import assignment_settings, deadlines, people, tokens
+from service.store.course import assignment_settings, deadlines
 from service.store.database import Database
-from service.store.records import NewSubmission
-from service.store.submissions import accept, register
+from service.store.people import people, tokens
+from service.store.submissions.accepting import accept, register
+from service.store.submissions.records import NewSubmission
 
 GIVEN = [
     "Ada",

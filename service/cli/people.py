@@ -14,8 +14,9 @@ from service.cli.arguments import number
 from service.cli.database import in_database, in_transaction
 from service.cli.errors import CommandError
 from service.formats.spreadsheet_csv import table
-from service.store.course import audit, credentials, people, roster, tokens
+from service.store.course import audit
 from service.store.database import Connection
+from service.store.people import credentials, people, roster, tokens
 
 DAYS, MOST_DAYS = 200.0, 3650.0
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL

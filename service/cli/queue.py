@@ -13,7 +13,7 @@ from service.cli.database import database_url, in_database, run_async
 from service.cli.errors import CommandError
 from service.settings import Settings
 from service.store.course import assignment_settings
-from service.store.queue_overview import QueueSnapshot, regrade, snapshot
+from service.store.queue.overview import QueueSnapshot, regrade, snapshot
 
 EVERY_S = 1.0
 NONE = "none"

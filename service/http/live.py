@@ -15,9 +15,9 @@ from uuid import UUID
 import psycopg
 from fastapi.sse import ServerSentEvent
 
-from service.store import records
 from service.store.database import Database, Row, connect_options, is_outage
-from service.store.runs import CHANNEL, PROGRESS
+from service.store.queue.runs import CHANNEL, PROGRESS
+from service.store.submissions import records
 
 log = logging.getLogger(__name__)
 POLL_S = 2.0  # polling interval, because a notification may be lost with its connection

@@ -16,7 +16,8 @@ from service.http.state import Config, Db, Held
 from service.http.templating import templates
 from service.pages.rejected_forms import post_form
 from service.settings import Settings
-from service.store.course import audit, credentials, people, tokens
+from service.store.course import audit
+from service.store.people import credentials, people, tokens
 
 router = APIRouter()
 DONE = {

@@ -18,8 +18,8 @@ from service.grading import result
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages import class_charts, class_stats
-from service.store import sweeps
 from service.store.course import deadlines, gradebook, outcomes
+from service.store.submissions import sweeps
 
 router = APIRouter()
 SETTINGS, SUBMISSIONS = "/assignments/{slug}/class/settings", "/assignments/{slug}/class/submissions"

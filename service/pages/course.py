@@ -27,7 +27,7 @@ from service.pages.rejected_forms import post_form
 from service.store.course import course_settings, gradebook, progress
 from service.store.course.audit import MOST, entries
 from service.store.course.grades import grades
-from service.store.records import recent
+from service.store.submissions.records import recent
 
 router, others = APIRouter(), APIRouter()
 LATEST = 20

@@ -19,8 +19,8 @@ from service.http.state import Db, Held
 from service.http.templating import ZONE
 from service.pages import class_tabs
 from service.pages.rejected_forms import post_form
-from service.store import sweeps
 from service.store.course import assignment_settings, deadlines, gradebook
+from service.store.submissions import sweeps
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED, MOST_WEIGHT = 60 * 24 * 366, 10_000, 1000

@@ -20,7 +20,7 @@ from service.http.requests import LONGEST_PATH, local_path
 from service.http.state import Config, Db, Held
 from service.http.templating import templates
 from service.pages.rejected_forms import post_form
-from service.store.course import people, tokens
+from service.store.people import people, tokens
 
 router = APIRouter()
 Code = Annotated[str, AfterValidator(lambda code: code[:20])]

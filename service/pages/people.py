@@ -20,10 +20,11 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages.regrades import check_labels
 from service.pages.rejected_forms import post_form
-from service.store.course import audit, deadlines, notes, overrides, people, roster, tokens
+from service.store.course import audit, deadlines, overrides
 from service.store.course.grades import grades
 from service.store.database import Row
-from service.store.records import recent
+from service.store.people import notes, people, roster, tokens
+from service.store.submissions.records import recent
 
 router = APIRouter()
 PersonName = Annotated[str, Query(max_length=people.LONGEST_NAME)]

@@ -16,9 +16,9 @@ from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages.rejected_forms import post_form
 from service.settings import LEASE_S
-from service.store import gradings
 from service.store.database import Row
-from service.store.queue_overview import MOST_PLACES, QueueSnapshot, regrade
+from service.store.queue import cancelling as gradings
+from service.store.queue.overview import MOST_PLACES, QueueSnapshot, regrade
 
 router = APIRouter()
 Queue = Held[ChangeFeed[Any]]

@@ -23,9 +23,10 @@ from service.http.templating import templates
 from service.pages import class_tabs, submission
 from service.pages.queue import Queue
 from service.pages.rejected_forms import post_form
-from service.store import records, regrades
+from service.store.course import regrades
+from service.store.course.regrades import BEST, EVERY, Regrade
 from service.store.database import Row
-from service.store.regrades import BEST, EVERY, Regrade
+from service.store.submissions import records
 
 router = APIRouter()
 LIST = "/assignments/{slug}/regrades"

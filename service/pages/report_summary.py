@@ -9,7 +9,7 @@ from polhode.judging.exercise import Motion
 from polhode.judging.outcome import Picture
 from polhode.report.report import Report
 from service.store.database import Row
-from service.store.records import SubmissionRecord
+from service.store.submissions.records import SubmissionRecord
 
 
 @dataclass(frozen=True)

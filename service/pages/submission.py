@@ -29,10 +29,10 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages import report_summary
 from service.pages.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
-from service.store import records, sweeps
 from service.store.course import comments, overrides, regrade_requests
-from service.store.history import gradings, previous, timeline
-from service.store.records import SubmissionRecord
+from service.store.submissions import records, sweeps
+from service.store.submissions.history import gradings, previous, timeline
+from service.store.submissions.records import SubmissionRecord
 
 router = APIRouter()
 PATH = "/submissions/{id}"

@@ -28,11 +28,12 @@ from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits, processor_times
 from service.sandbox.untrusted_text import text
 from service.settings import Settings
-from service.store import runs, sweeps, workers
-from service.store.artefacts import store_artefacts
 from service.store.database import Database, is_outage, patiently
-from service.store.queue import FIRST, LATER, SLOW, first_gradings_wait, new_app
+from service.store.queue import runs, workers
+from service.store.queue.jobs import FIRST, LATER, SLOW, first_gradings_wait, new_app
 from service.store.schema import WrongSchema, check_schema
+from service.store.submissions import sweeps
+from service.store.submissions.artefacts import store_artefacts
 from service.workers.pace import Pace, Stopwatch
 
 log = logging.getLogger(__name__)

@@ -73,7 +73,7 @@ def test_who_sent_again_waits_for_nobody_who_comes_after_the_first_result():
 
 
 def test_persons_take_turns():
-    """The same order as in the test of that name in tests/service/store/test_runs.py."""
+    """The same order as in the test of that name in tests/service/store/queue/test_runs.py."""
     given = arrivals([0] * 8 + [3.5], ["ann"] * 5 + ["ben"] * 2 + ["cleo", "dora"], 1)
     order = given.person[np.argsort(start_times(given, 1))].tolist()
     assert order == ["ann", "ben", "cleo", "ann", "ben", "dora", "ann", "ann", "ann"]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.store.course import people
+from service.store.people import people
 from tests.support.app import App
 from tests.support.course_pages import fill
 from tests.support.database import entered, run, sql

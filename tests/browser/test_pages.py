@@ -8,8 +8,8 @@ import uuid
 import pytest
 
 from service.grading.submission import Submission
-from service.store.records import NewSubmission
-from service.store.submissions import accept
+from service.store.submissions.accepting import accept
+from service.store.submissions.records import NewSubmission
 from tests.support.app import App
 from tests.support.axe import wrong
 from tests.support.course_pages import BASE, fill

@@ -4,7 +4,7 @@ again asks first.
 
 import pytest
 
-from service.store import runs
+from service.store.queue import runs
 from tests.support.database import entered, run, sql
 from tests.support.submissions import claim, grade
 

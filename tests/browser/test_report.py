@@ -5,8 +5,8 @@ import uuid
 import pytest
 
 from service.grading.submission import Submission
-from service.store.records import NewSubmission
-from service.store.submissions import accept
+from service.store.submissions.accepting import accept
+from service.store.submissions.records import NewSubmission
 from tests.support.database import entered, run
 from tests.support.submissions import grade_really
 

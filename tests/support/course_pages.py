@@ -7,18 +7,20 @@ from datetime import UTC, datetime, timedelta
 from urllib.parse import quote
 
 from service.grading.submission import Submission
-from service.store import gradings, regrades, runs, workers
 from service.store.course import (
     assignment_settings,
     audit,
     comments,
     deadlines,
     overrides,
-    people,
     regrade_requests,
+    regrades,
 )
-from service.store.records import NewSubmission
-from service.store.submissions import accept
+from service.store.people import people
+from service.store.queue import cancelling as gradings
+from service.store.queue import runs, workers
+from service.store.submissions.accepting import accept
+from service.store.submissions.records import NewSubmission
 from tests.support import submissions
 from tests.support.database import run, sql
 from tests.support.reports import ASSIGNMENT

@@ -10,10 +10,10 @@ import psycopg
 from exercises.authoring.assignments.catalogue import assignments
 from service.auth import passwords
 from service.grading.submission import Submission
-from service.store.course import people, tokens
 from service.store.database import Database
-from service.store.records import NewSubmission
-from service.store.submissions import register
+from service.store.people import people, tokens
+from service.store.submissions.accepting import register
+from service.store.submissions.records import NewSubmission
 
 
 def new(person="ann", source="def euler_eqs(t, w, I): return w", seed=7, **more):

@@ -11,9 +11,9 @@ from exercises.authoring.assignments.catalogue import assignments
 from service.grading import grade as core
 from service.grading import rendering
 from service.grading.submission import Submission
-from service.store import runs
-from service.store.records import NewSubmission
-from service.store.submissions import accept
+from service.store.queue import runs
+from service.store.submissions.accepting import accept
+from service.store.submissions.records import NewSubmission
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_marks, report_of_verdicts
 

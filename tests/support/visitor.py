@@ -9,7 +9,7 @@ import threading
 import time
 import urllib.parse
 
-from service.store.course import people
+from service.store.people import people
 from tests.support.database import entered, run
 from tests.support.http_client import Browser
 

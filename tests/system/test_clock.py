@@ -10,10 +10,11 @@ import uuid
 
 import pytest
 
-from service.store import records, runs, workers
-from service.store.course import tokens
-from service.store.queue import new_app
-from service.store.submissions import SubmissionRejected, accept
+from service.store.people import tokens
+from service.store.queue import runs, workers
+from service.store.queue.jobs import new_app
+from service.store.submissions import records
+from service.store.submissions.accepting import SubmissionRejected, accept
 from tests.support.database import jump, new, run, sql
 from tests.support.reports import report_of_verdicts
 from tests.support.submissions import claim, submitted

@@ -10,7 +10,7 @@ import urllib.request
 
 import pytest
 
-from service.store.course import tokens
+from service.store.people import tokens
 from service.store.postgres.server import running_url
 from tests.support import course_notebook
 from tests.support.database import run, sql

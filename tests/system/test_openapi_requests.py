@@ -13,8 +13,8 @@ from schemathesis.checks import CHECKS, load_all_checks
 
 from polhode.client.build import WHEEL
 from polhode.report.report import Picture
-from service.store.artefacts import store_artefacts
-from service.store.workers import register_worker
+from service.store.queue.workers import register_worker
+from service.store.submissions.artefacts import store_artefacts
 from tests.support.app import App
 from tests.support.database import entered, new_database, run
 from tests.support.http_client import call

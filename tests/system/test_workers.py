@@ -106,7 +106,7 @@ def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
         assert get(front.url, id) == document
 
 
-@pytest.mark.slow  # tests/service/store/test_runs.py: a jump that the workers notice
+@pytest.mark.slow  # tests/service/store/queue/test_runs.py: a jump that the workers notice
 @pytest.mark.parametrize("hours", [1, -1])
 def test_a_clock_that_jumps_while_a_submission_is_graded(front, url, hours):
     """As if it jumped between two looks: what is judged lost by mistake is graded once all the same."""

@@ -10,8 +10,8 @@ from datetime import datetime
 from typing import Any
 
 from service.store.course import audit
-from service.store.course.people import COURSE
 from service.store.database import Connection, Database
+from service.store.people.people import COURSE
 
 RELEASES = ("immediately", "deadline", "manually")
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
 from service.store.course import assignment_settings, audit
-from service.store.course.people import COURSE
 from service.store.database import Database
+from service.store.people.people import COURSE
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from datetime import datetime
 
 from service.store.course import audit
-from service.store.course.people import COURSE
 from service.store.database import Database, Row
-from service.store.records import FAULTED, OWN_DEADLINE
+from service.store.people.people import COURSE
+from service.store.submissions.records import FAULTED, OWN_DEADLINE
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:

@@ -10,8 +10,8 @@ from uuid import UUID
 
 from service.store.course import assignment_settings
 from service.store.course.grades import SENT, best
-from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
+from service.store.people.people import COURSE, IS_PERSON
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from uuid import UUID
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.formats.grade_row import GradeRow
-from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
-from service.store.records import (
+from service.store.people.people import COURSE, IS_PERSON
+from service.store.submissions.records import (
     EACH_SHOWN,
     FINAL,
     LATE,

@@ -9,10 +9,10 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from service.store import runs
 from service.store.course import audit
 from service.store.database import Connection, Database, Queries, Row
-from service.store.records import SHOWN
+from service.store.queue import runs
+from service.store.submissions.records import SHOWN
 
 LONGEST_REASON = 1000
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 
 from service.store.course.grades import SENT
-from service.store.course.people import COURSE
 from service.store.database import Database, Row
-from service.store.records import FAULTED, OWN_DEADLINE, SHOWN, STATUS
+from service.store.people.people import COURSE
+from service.store.submissions.records import FAULTED, OWN_DEADLINE, SHOWN, STATUS
 
 _MEDIANS = f"""
 SELECT x.slug, percentile_cont(0.5) WITHIN GROUP (ORDER BY best.final) AS median FROM (

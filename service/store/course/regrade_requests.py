@@ -7,9 +7,9 @@ from typing import Literal
 from uuid import UUID
 
 from service.store.course import audit
-from service.store.course.people import COURSE
 from service.store.database import Database, Row
-from service.store.records import SHOWN
+from service.store.people.people import COURSE
+from service.store.submissions.records import SHOWN
 
 LONGEST = 2000  # characters of a reason, and of an answer
 MOST = 500

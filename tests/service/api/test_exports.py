@@ -16,9 +16,9 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended, ExerciseReport, Outcome, SceneEnd, Tolerance
 from polhode.report.report import Provenance, Report
 from service.grading.submission import Submission
-from service.store import runs
-from service.store.course import people, tokens
-from service.store.submissions import accept
+from service.store.people import people, tokens
+from service.store.queue import runs
+from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 
 SLUG = "/assignments/rigid-body"

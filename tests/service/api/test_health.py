@@ -8,9 +8,9 @@ import time
 import pytest
 
 from service.api.health import CACHED_S
-from service.store import workers
 from service.store.database import Database
 from service.store.postgres.server import EmbeddedPostgres
+from service.store.queue import workers
 from service.store.schema import migrate
 from tests.support.app import App
 from tests.support.database import run, sql

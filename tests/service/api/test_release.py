@@ -17,9 +17,9 @@ from polhode.judging.judge import RowsRight
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Picture, SceneEnd
 from service import app
 from service.api import figures
-from service.store import runs
 from service.store.course import assignment_settings, overrides
-from service.store.submissions import accept
+from service.store.queue import runs
+from service.store.submissions.accepting import accept
 from tests.support.database import entered, new, new_database, run, sql
 from tests.support.http_client import call
 from tests.support.reports import ASSIGNMENT, SLIP, outcome, report

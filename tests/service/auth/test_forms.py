@@ -16,7 +16,7 @@ from psycopg import sql as part
 from service.auth import forms
 from service.auth.identity import Person
 from service.auth.sessions import Cookies
-from service.store.course import people, tokens
+from service.store.people import people, tokens
 from tests.support.database import entered, new_database, run, sql
 
 RULES, CLASS = "/assignments/rigid-body/rules", "/assignments/rigid-body/class"

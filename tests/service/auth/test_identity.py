@@ -22,7 +22,7 @@ from service.auth.identity import same_origin
 from service.cli.__main__ import main
 from service.http.errors import Problem
 from service.settings import Settings
-from service.store.course import people, tokens
+from service.store.people import people, tokens
 from tests.support.app import App
 from tests.support.database import entered, run, sql
 from tests.support.http_client import Browser

@@ -62,7 +62,7 @@ def browsers(server, url):
 @pytest.fixture(scope="module")
 def submission(url):
     """The id of what a student called ann sent."""
-    from service.store.submissions import accept
+    from service.store.submissions.accepting import accept
 
     sent = new("ann")
     run(url, lambda database: accept(database, sent, None))

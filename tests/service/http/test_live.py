@@ -10,7 +10,7 @@ from uuid import UUID
 from service.http import live
 from service.http.live import ChangeFeed, Listener
 from service.store.database import Database
-from service.store.runs import PROGRESS
+from service.store.queue.runs import PROGRESS
 
 
 def run_with_feed(action):

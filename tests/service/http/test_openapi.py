@@ -9,8 +9,8 @@ from polhode.client.build import WHEEL
 from polhode.report.report import Picture
 from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES
-from service.store.artefacts import store_artefacts
 from service.store.course import comments, regrade_requests
+from service.store.submissions.artefacts import store_artefacts
 from tests.support.database import entered, run
 from tests.support.http_client import call
 from tests.support.submissions import graded, submitted

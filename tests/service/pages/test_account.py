@@ -11,7 +11,7 @@ import pytest
 
 from service.auth import passwords
 from service.cli.__main__ import main
-from service.store.course import tokens
+from service.store.people import tokens
 from tests.support.database import entered, run, sql
 from tests.support.http_client import Browser
 

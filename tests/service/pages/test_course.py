@@ -5,7 +5,8 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from service.store.course import assignment_settings, people
+from service.store.course import assignment_settings
+from service.store.people import people
 from tests.support.database import entered, new_database, run
 from tests.support.http_client import call
 

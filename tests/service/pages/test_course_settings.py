@@ -10,7 +10,8 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from service.store.course import deadlines, people
+from service.store.course import deadlines
+from service.store.people import people
 from tests.support.database import entered, new_database, run, sql
 from tests.support.http_client import call
 from tests.support.submissions import hand_in

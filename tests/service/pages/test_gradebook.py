@@ -13,10 +13,11 @@ import pytest
 from polhode.judging.outcome import Diagnosis, SweepResult, SweptPoint
 from polhode.report.document import document
 from service.pages import class_charts, class_stats
-from service.store.artefacts import store_artefacts
-from service.store.course import outcomes, people
+from service.store.course import outcomes
 from service.store.course.gradebook import StudentRow, graded, students
 from service.store.database import Database
+from service.store.people import people
+from service.store.submissions.artefacts import store_artefacts
 from tests.support.database import new_database, run, sql
 from tests.support.reports import ASSIGNMENT, SLIP
 from tests.support.submissions import hand_in

@@ -5,7 +5,8 @@ from html import unescape
 
 import pytest
 
-from service.store.course import deadlines, overrides, people
+from service.store.course import deadlines, overrides
+from service.store.people import people
 from tests.support.database import new_database, run, sql
 from tests.support.submissions import hand_in
 

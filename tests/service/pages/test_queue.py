@@ -15,7 +15,7 @@ import pytest
 
 from service.http.live import EVERY_S
 from service.pages import queue
-from service.store import workers
+from service.store.queue import workers
 from tests.support.app import App
 from tests.support.database import run, sql
 from tests.support.visitor import Visitor, enter

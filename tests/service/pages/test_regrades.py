@@ -7,7 +7,7 @@ import re
 import pytest
 
 from polhode.judging.judge import RowsRight
-from service.store import records
+from service.store.submissions import records
 from tests.support.database import run, sql
 from tests.support.reports import outcome, report
 from tests.support.submissions import finish, grade_open, graded, open_gradings, submitted

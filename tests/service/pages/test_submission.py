@@ -20,9 +20,9 @@ from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT
 from service.pages.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference, marks
-from service.store import sweeps
-from service.store.artefacts import store_artefacts
-from service.store.course import people, tokens
+from service.store.people import people, tokens
+from service.store.submissions import sweeps
+from service.store.submissions.artefacts import store_artefacts
 from tests.support.database import run, sql
 from tests.support.reports import outcome, report
 from tests.support.submissions import grade_really, graded

@@ -10,8 +10,9 @@ import pytest
 from service.grading.grader import Grader
 from service.sandbox.select import IsolationUnavailable
 from service.settings import Settings
-from service.store import sweeps, workers
-from service.store.artefacts import find_artefact
+from service.store.queue import workers
+from service.store.submissions import sweeps
+from service.store.submissions.artefacts import find_artefact
 from service.workers import worker
 from tests.support.database import jump, run, sql
 from tests.support.grader import WHY, NoSandbox

@@ -75,7 +75,7 @@ KIT = [
     ),
     Breakage(
         "an override of a check ignores the partial credit it replaces",
-        "service/store/records.py",
+        "service/store/submissions/records.py",
         "least(o.points, v.points) - v.earned",
         "least(o.points, v.points) - CAST(v.state = 'pass' AS int)",
         ("tests/service/store/course/test_overrides.py::test_a_check_of_four_points",),

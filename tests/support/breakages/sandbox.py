@@ -72,17 +72,17 @@ SANDBOX = [
     ),
     Breakage(
         "a sweep is queued although its result was stored meanwhile",
-        "service/store/sweeps.py",
+        "service/store/submissions/sweeps.py",
         "if SWEPT not in stored and REFUSED not in stored:",
         "if not faults:",
-        ("tests/service/store/test_sweeps.py",),
+        ("tests/service/store/submissions/test_sweeps.py",),
     ),
     Breakage(
         "lost runs of a sweep are not counted",
-        "service/store/sweeps.py",
+        "service/store/submissions/sweeps.py",
         'begun = {f"sweep.run.{number}": b""} if',
         "begun = {} if",
-        ("tests/service/store/test_sweeps.py",),
+        ("tests/service/store/submissions/test_sweeps.py",),
     ),
     Breakage(
         "a sweep's seconds are believed",

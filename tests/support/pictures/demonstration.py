@@ -14,9 +14,9 @@ from service.cli.database import database_url
 from service.cli.demo import free_port
 from service.grading.submission import Submission
 from service.settings import Settings
-from service.store.queue_overview import regrade
-from service.store.records import NewSubmission
-from service.store.submissions import accept
+from service.store.queue.overview import regrade
+from service.store.submissions.accepting import accept
+from service.store.submissions.records import NewSubmission
 from tests.support.database import run, sql
 
 RUNNING = "The server is running"

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from playwright.sync_api import Browser
 
-from service.store import regrades
-from service.store.course import comments
+from service.store.course import comments, regrades
 from tests.support.database import entered, run, sql
 from tests.support.pictures.browser import log_in, open_page, save, show
 from tests.support.pictures.demonstration import wait_for_gradings

@@ -5,7 +5,7 @@ from uuid import UUID
 
 from playwright.sync_api import Browser, Page
 
-from service.store import gradings
+from service.store.queue import cancelling as gradings
 from tests.support.database import entered, run, sql
 from tests.support.pictures.browser import log_in, open_page, save, show, upper_part
 from tests.support.pictures.demonstration import submit

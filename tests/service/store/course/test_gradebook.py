@@ -6,7 +6,8 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from service.store.course import assignment_settings, deadlines, gradebook, people
+from service.store.course import assignment_settings, deadlines, gradebook
+from service.store.people import people
 from tests.support.database import run, sql
 from tests.support.submissions import hand_in
 
@@ -122,7 +123,7 @@ def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database
 
 
 def test_an_extension_is_for_one_person_and_never_shortens(database_url):
-    from service.store.submissions import SubmissionRejected
+    from service.store.submissions.accepting import SubmissionRejected
 
     set_rules(database_url, NOW - timedelta(days=1), grace=0.0)
     run(database_url, lambda database: hand_in(database, "ann", None, days_ago=2))

@@ -5,10 +5,10 @@ import asyncio
 import pytest
 
 from polhode.judging.judge import RowsRight
-from service.store import history, records
 from service.store.course import gradebook, grades, outcomes, overrides
 from service.store.course.overrides import OverrideRejected, give, withdraw
 from service.store.postgres.backup import check
+from service.store.submissions import history, records
 from tests.support.database import run, sql
 from tests.support.reports import outcome, report
 from tests.support.submissions import graded, submitted

@@ -9,14 +9,14 @@ from pathlib import Path
 import psycopg
 import pytest
 
-from service.store import regrades
-from service.store.course import deadlines, overrides, tokens
+from service.store.course import deadlines, overrides, regrades
+from service.store.people import tokens
 from service.store.postgres import backup
 from service.store.postgres.backup import BackupError
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.postgres.server import EmbeddedPostgres, find_programs
 from service.store.schema import migrate
-from service.store.submissions import accept
+from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 from tests.support.submissions import hand_in
 

@@ -18,7 +18,7 @@ from service.store.postgres import backup
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.postgres.server import EmbeddedPostgres, find_programs
 from service.store.schema import migrate
-from service.store.submissions import accept
+from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 
 

@@ -8,7 +8,7 @@ import pytest
 from service.cli.__main__ import main
 from service.store.postgres import drill
 from service.store.postgres.server import find_programs
-from service.store.submissions import accept
+from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 from tests.support.submissions import hand_in
 

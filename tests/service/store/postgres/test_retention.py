@@ -6,10 +6,11 @@ import pytest
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.cli.__main__ import main
-from service.store import regrades, runs
-from service.store.artefacts import find_artefact, store_artefacts
+from service.store.course import regrades
 from service.store.postgres import backup, retention
-from service.store.queue_overview import regrade
+from service.store.queue import runs
+from service.store.queue.overview import regrade
+from service.store.submissions.artefacts import find_artefact, store_artefacts
 from tests.support.database import run, sql
 from tests.support.reports import report_of_marks
 from tests.support.submissions import hand_in

@@ -6,10 +6,11 @@ import uuid
 import pytest
 
 from service.http import metrics
-from service.store import records, runs, workers
-from service.store.gradings import AlreadyFinished, cancel
-from service.store.queue_overview import regrade, snapshot
-from service.store.submissions import SubmissionRejected, accept
+from service.store.queue import runs, workers
+from service.store.queue.cancelling import AlreadyFinished, cancel
+from service.store.queue.overview import regrade, snapshot
+from service.store.submissions import records
+from service.store.submissions.accepting import SubmissionRejected, accept
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_verdicts
 from tests.support.submissions import claim, finish, graded, submitted

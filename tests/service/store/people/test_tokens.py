@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.store.course import tokens
+from service.store.people import tokens
 from tests.support.database import run
 
 

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from uuid import UUID
 
-from service.store import runs
 from service.store.course import audit
 from service.store.database import Database, Row
-from service.store.queue import lock_persons
-from service.store.records import LAST
-from service.store.submissions import add_grading
+from service.store.queue import runs
+from service.store.queue.jobs import lock_persons
+from service.store.submissions.accepting import add_grading
+from service.store.submissions.records import LAST
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,11 @@ import pytest
 from procrastinate.exceptions import ConnectorException
 from procrastinate.jobs import Status
 
-from service.store import runs, sweeps, workers
-from service.store.queue import FIRST, LATER, SLOW, first_gradings_wait, new_app
-from service.store.queue_overview import regrade
-from service.store.submissions import accept
+from service.store.queue import runs, workers
+from service.store.queue.jobs import FIRST, LATER, SLOW, first_gradings_wait, new_app
+from service.store.queue.overview import regrade
+from service.store.submissions import sweeps
+from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_verdicts
 from tests.support.submissions import claim, submitted

@@ -1,6 +1,6 @@
 """A person's own history: their submissions and nobody else's."""
 
-from service.store import history, records
+from service.store.submissions import history, records
 from tests.support.database import run
 from tests.support.submissions import graded, submitted
 

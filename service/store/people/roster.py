@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from service.store.course.people import ROLES, ROSTER, normalize_name
+from service.store.people.people import ROLES, ROSTER, normalize_name
 
 LONGEST = 200
 SEPARATORS = ",;\t"

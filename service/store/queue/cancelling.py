@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from uuid import UUID
 
-from service.store import runs
 from service.store.course import audit
 from service.store.database import Connection, Database
-from service.store.queue import lock_persons, send_next
+from service.store.queue import runs
+from service.store.queue.jobs import lock_persons, send_next
 
 
 class AlreadyFinished(Exception):

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from uuid import UUID
 
-from service.store.course import audit, people, tokens
+from service.store.course import audit
 from service.store.database import Connection, Database, Row
+from service.store.people import people, tokens
 
 
 class NameTaken(Exception):

@@ -11,10 +11,10 @@ from psycopg.types.json import Jsonb
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import assignments
-from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database, NoRow, Row
-from service.store.queue import PERSON_LOCK, lock_persons, send_gradings
-from service.store.records import FAULTED, LATE, OWN_DEADLINE, SHOWN, NewSubmission
+from service.store.people.people import COURSE, add_person
+from service.store.queue.jobs import PERSON_LOCK, lock_persons, send_gradings
+from service.store.submissions.records import FAULTED, LATE, OWN_DEADLINE, SHOWN, NewSubmission
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
 

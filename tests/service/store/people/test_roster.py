@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.store.course.roster import BEFORE_AT, BadRoster, Entry, read
+from service.store.people.roster import BEFORE_AT, BadRoster, Entry, read
 
 GRADESCOPE = (
     "First Name,Last Name,SID,Email,Role,Section\nAnn,Lee,0042,ann@uni.example,Student,A\n"

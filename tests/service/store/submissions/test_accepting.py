@@ -8,10 +8,10 @@ from datetime import UTC, datetime, timedelta
 import psycopg
 import pytest
 
-from service.store import records
 from service.store.course.deadlines import extend
-from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
-from service.store.workers import sweep
+from service.store.queue.workers import sweep
+from service.store.submissions import records
+from service.store.submissions.accepting import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
 from tests.support.database import new, run, sql
 from tests.support.submissions import grade
 

@@ -4,8 +4,8 @@ import asyncio
 
 import pytest
 
-from service.store import sweeps
-from service.store.artefacts import store_artefacts
+from service.store.submissions import sweeps
+from service.store.submissions.artefacts import store_artefacts
 from tests.support.database import run, sql
 from tests.support.submissions import submitted
 

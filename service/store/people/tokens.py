@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from hashlib import sha256
 from uuid import UUID
 
-from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database, Row
+from service.store.people.people import COURSE, add_person
 
 PREFIX, SESSION = "polhode_", "session_"
 SCOPES = ("submit", "read", "login")

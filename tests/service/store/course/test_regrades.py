@@ -6,12 +6,13 @@ import asyncio
 
 import pytest
 
-from service.store import history, records, regrades, workers
-from service.store.course import overrides
-from service.store.gradings import cancel
-from service.store.queue_overview import regrade, snapshot
-from service.store.regrades import BEST, EVERY, NothingToGrade, RegradeClosed, RegradeIncomplete
-from service.store.submissions import accept
+from service.store.course import overrides, regrades
+from service.store.course.regrades import BEST, EVERY, NothingToGrade, RegradeClosed, RegradeIncomplete
+from service.store.queue import workers
+from service.store.queue.cancelling import cancel
+from service.store.queue.overview import regrade, snapshot
+from service.store.submissions import history, records
+from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 from tests.support.submissions import claim, finish, grade_open, graded, open_gradings, submitted
 

@@ -7,7 +7,7 @@ from uuid import UUID
 
 from service.formats.grade_row import whole
 from service.store.database import Database, Row
-from service.store.records import FINAL, LATE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
+from service.store.submissions.records import FINAL, LATE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
 
 MOST = 100
 

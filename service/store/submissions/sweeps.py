@@ -11,10 +11,10 @@ from importlib import metadata
 from typing import Any
 from uuid import UUID
 
-from service.store.artefacts import ARTEFACTS, insert_artefacts
 from service.store.course.gradebook import StudentRow
 from service.store.database import Connection, Database
-from service.store.queue import send_sweep
+from service.store.queue.jobs import send_sweep
+from service.store.submissions.artefacts import ARTEFACTS, insert_artefacts
 
 SWEPT, REFUSED, FAULT = "sweep.json", "sweep.refused", "sweep.fault"
 MOST_RUNS = 3  # of one grading's sweep, lost ones included

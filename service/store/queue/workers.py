@@ -12,7 +12,7 @@ from uuid import UUID
 
 from service.settings import LEASE_S
 from service.store.database import Connection, Database
-from service.store.queue import send_gradings
+from service.store.queue.jobs import send_gradings
 
 log = logging.getLogger(__name__)
 JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one

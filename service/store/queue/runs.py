@@ -14,9 +14,9 @@ from polhode.report.document import document
 from polhode.report.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
-from service.store.artefacts import insert_artefacts
 from service.store.database import Connection, Database, Row
-from service.store.queue import PERSON_LOCK, lock_persons, send_gradings, send_next
+from service.store.queue.jobs import PERSON_LOCK, lock_persons, send_gradings, send_next
+from service.store.submissions.artefacts import insert_artefacts
 
 CHANNEL = "polhode"
 # ends a notification about a grading that goes on: a request that waits for its result need not look

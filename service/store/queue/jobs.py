@@ -3,8 +3,8 @@
 A job holds the id of a grading and nothing else. Its lock is one of its person's places, of which there is
 one fewer than workers: so one person's gradings never occupy all workers. Its queue says who may take it.
 
-Jobs only wake workers; the tables are authoritative. ``service.store.workers`` queues every grading without
-a result again.
+Jobs only wake workers; the tables are authoritative. ``service.store.queue.workers`` queues every grading
+without a result again.
 """
 
 from collections import Counter

@@ -12,9 +12,10 @@ import pytest
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Outcome, Tolerance
 from polhode.report.report import ExerciseReport, Provenance, Report
-from service.store import artefacts, records, runs, workers
-from service.store.queue_overview import regrade, snapshot
-from service.store.submissions import SubmissionRejected, accept, add_grading
+from service.store.queue import runs, workers
+from service.store.queue.overview import regrade, snapshot
+from service.store.submissions import artefacts, records
+from service.store.submissions.accepting import SubmissionRejected, accept, add_grading
 from tests.support.database import jump, new, run, sql
 from tests.support.submissions import submitted
 

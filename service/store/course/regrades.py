@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from service.store import runs
 from service.store.course import audit, grades
 from service.store.database import Database, Row
-from service.store.gradings import cancel_all_of
-from service.store.queue import lock_persons, send_gradings
-from service.store.records import LAST, LATE, SHOWN, points
-from service.store.submissions import MAX_RUNS
+from service.store.queue import runs
+from service.store.queue.cancelling import cancel_all_of
+from service.store.queue.jobs import lock_persons, send_gradings
+from service.store.submissions.accepting import MAX_RUNS
+from service.store.submissions.records import LAST, LATE, SHOWN, points
 
 BATCH = 50
 BEST, EVERY = "all", "every"

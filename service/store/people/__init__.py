@@ -1,0 +1,1 @@
+"""People of the course: roster, logins, tokens and notes."""

@@ -1,0 +1,1 @@
+"""Stored submissions with their results and files."""

@@ -6,7 +6,7 @@ from uuid import UUID
 from service.store.course import audit
 from service.store.database import Connection, Database
 from service.store.queue import runs
-from service.store.queue.jobs import lock_persons, send_next
+from service.store.queue.jobs import delete_waiting, lock_persons, send_next
 
 
 class AlreadyFinished(Exception):
@@ -26,7 +26,7 @@ async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
         if not await _stop(connection, [grading], actor):
             raise AlreadyFinished
         await lock_persons(connection, [found.submission])
-        await connection.execute(_FORGET_JOBS, {"gradings": [str(grading)]})
+        await delete_waiting(connection, [grading])
         await send_next(connection, grading)
         detail = {"person": found.person, "grading": found.number, "preview": found.preview}
         await audit.record(connection, actor, "cancel", str(found.submission), detail)
@@ -39,7 +39,7 @@ async def cancel_all_of(connection: Connection, regrade: UUID, actor: str) -> in
     """Cancel the unfinished gradings of a regrade in this transaction and return their number."""
     open = [row.id for row in await connection.rows(_OPEN, {"regrade": regrade})]
     stopped = await _stop(connection, open, actor)
-    await connection.execute(_FORGET_JOBS, {"gradings": [str(id) for id in stopped]})
+    await delete_waiting(connection, stopped)
     return len(stopped)
 
 
@@ -75,9 +75,4 @@ ON CONFLICT DO NOTHING RETURNING grading_id
 _END_RUNS = """
 UPDATE run SET ended_at = now(), end_reason = 'cancelled', note = %(note)s
 WHERE grading_id = ANY(%(gradings)s) AND ended_at IS NULL
-"""
-
-_FORGET_JOBS = """
-DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%(gradings)s) AND task_name = 'grade'
-    AND status = 'todo'
 """

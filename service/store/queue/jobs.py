@@ -142,8 +142,14 @@ async def send_next(connection: Connection, done: UUID) -> None:
     """
     row = await connection.first(_NEXT, {"grading": done})
     if row is not None:
-        await connection.execute("DELETE FROM procrastinate_jobs WHERE id = %(id)s", {"id": row.job})
+        await _jobs.cancel_job_by_id_async(row.job, delete_job=True, connection=connection.raw)
         await send_gradings(connection, [row.grading])
+
+
+async def delete_waiting(connection: Connection, gradings: Sequence[UUID]) -> None:
+    """Delete the jobs of these gradings that no worker has taken."""
+    for row in await connection.rows(_WAITING, {"gradings": [str(grading) for grading in gradings]}):
+        await _jobs.cancel_job_by_id_async(row.id, delete_job=True, connection=connection.raw)
 
 
 async def lock_persons(connection: Connection, submissions: Sequence[UUID]) -> None:
@@ -198,6 +204,11 @@ FROM (
     WHERE t.person_id = a.person AND r.grading_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
 ) before
 ORDER BY a.requested_at, a.id
+"""
+
+_WAITING = """
+SELECT id FROM procrastinate_jobs
+WHERE args->>'attempt' = ANY(%(gradings)s) AND task_name = 'grade' AND status = 'todo'
 """
 
 # A grading that was put back as slow lets one move up that is not.

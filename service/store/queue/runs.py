@@ -15,7 +15,7 @@ from polhode.report.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.database import Connection, Database, Row
-from service.store.queue.jobs import PERSON_LOCK, lock_persons, send_gradings, send_next
+from service.store.queue.jobs import PERSON_LOCK, delete_waiting, lock_persons, send_gradings, send_next
 from service.store.submissions.artefacts import insert_artefacts
 
 CHANNEL = "polhode"
@@ -145,7 +145,9 @@ async def release(
         # A run that is not open was marked lost, and its grading is queued already.
         open = await connection.execute(_END_IF_OPEN, values)
         if open and await connection.first(_OWNER, {"grading": claimed.grading}) is None:
-            await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading), "exits": exits})
+            await delete_waiting(connection, [claimed.grading])
+            if exits:
+                await connection.execute(_DELETE_TAKEN, {"grading": str(claimed.grading)})
             await send_gradings(connection, [claimed.grading], begun=end_reason == "released")
             if slow:
                 await lock_persons(connection, [claimed.submission_id])
@@ -262,9 +264,9 @@ UPDATE run SET ended_at = now(), end_reason = %(end_reason)s, note = %(note)s, s
 WHERE id = %(run)s AND ended_at IS NULL
 """
 
-_DROP_JOBS = """
+_DELETE_TAKEN = """
 DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %(grading)s AND task_name = 'grade'
-    AND (status = 'todo' OR CAST(%(exits)s AS boolean))
+    AND status = 'doing'
 """
 
 

@@ -75,7 +75,8 @@ def _grade(arguments: argparse.Namespace) -> int:
         with _no_collection():
             import_lazily()
             from service.cli.progress import Progress
-            from service.grading.batch import GradeOptions, GradeRequest, grade_files
+            from service.grading.batch import grade_files
+            from service.grading.files import GradeOptions, GradeRequest
             from service.grading.result import summary
             from service.grading.submission import KIB, MIB, SizeLimits
 

@@ -19,7 +19,8 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from service.cli.arguments import count
 from service.cli.errors import CommandError
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.grading.batch import grade_files
+from service.grading.files import GradeOptions, GradeRequest
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.reproduction import play_variants
 from service.grading.result import GradedFile

@@ -2,12 +2,12 @@
 
 import multiprocessing
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.sharedctypes import Synchronized
 
-from service.grading.batch import GradeOptions, GradeRequest, OnProgress, grade_file, start_grader
+from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
 from service.grading.grader import Grader
 from service.grading.result import GradedFile
 from service.sandbox.guest.lockdown import die_with_parent
@@ -19,7 +19,7 @@ def grade_in_processes(
     options: GradeOptions,
     sandbox: Sandbox,
     processes: int,
-    on_progress: OnProgress,
+    on_progress: Callable[[int], None],
 ) -> Iterator[GradedFile]:
     """Grade files in ``processes`` and yield one result per file, in input order. Close the ``sandbox`` and
     those of the processes, which are copies of it, or new ones if the assignment has data files.
@@ -45,7 +45,9 @@ def grade_in_processes(
 
 
 def _in_order(
-    requests: Sequence[GradeRequest], futures: Sequence["Future[GradedFile]"], on_progress: OnProgress
+    requests: Sequence[GradeRequest],
+    futures: Sequence["Future[GradedFile]"],
+    on_progress: Callable[[int], None],
 ) -> Iterator[GradedFile]:
     done: list[object] = []
 

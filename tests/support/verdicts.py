@@ -21,7 +21,8 @@ from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import MARKS
 from polhode.report.report import Report
 from service.grading import reproduction
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.grading.batch import grade_files
+from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile
 from service.sandbox.select import choose
 from service.sandbox.time_budget import TimeLimits

@@ -21,7 +21,8 @@ from service.cli.output_dir import write
 from service.cli.progress import Progress
 from service.cli.verify import comparison
 from service.cli.verify.made_samples import verify_made
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.grading.batch import grade_files
+from service.grading.files import GradeOptions, GradeRequest
 from service.sandbox.isolation import Isolation
 from service.sandbox.select import choose
 from service.settings import Settings

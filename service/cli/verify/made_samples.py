@@ -19,7 +19,8 @@ from polhode.report.report import Report
 from service.cli.progress import Progress
 from service.cli.verify.comparison import Tally, cpu_warning
 from service.cli.verify.published_notebook import notebook_differences
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.grading.batch import grade_files
+from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile
 from service.sandbox.isolation import Isolation
 

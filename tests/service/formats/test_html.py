@@ -7,7 +7,8 @@ import pytest
 from polhode.judging.outcome import SweepResult
 from service.cli.output_dir import OutputDir
 from service.formats import html
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.grading.batch import grade_files
+from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile
 from service.sandbox.select import choose
 from tests.support.guests import lend

@@ -9,7 +9,8 @@ import pytest
 from matplotlib import font_manager, get_cachedir
 
 from polhode.judging.judge import Verdict
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.grading.batch import grade_files
+from service.grading.files import GradeOptions, GradeRequest
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.guest_files import font_list, packages

@@ -56,7 +56,7 @@ GRADING = [
     ),
     Breakage(
         "a fault of the sandbox becomes a refused submission, and so a zero",
-        "service/grading/batch.py",
+        "service/grading/files.py",
         "source=source, fault=str(fault))",
         "source=source, refused=str(fault))",
         ("tests/service/cli/test_grade.py::test_a_fault_exits_with_2_and_is_no_verdict",),

@@ -11,16 +11,14 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from exercises.authoring.assignments import catalogue
+from exercises.authoring.assignments.course_imports import ALWAYS
 from polhode.judging.claims import words_in
 
-FOLDER = "course"
-LEFT_OUT = "__pycache__"
-OTHERS = dict.fromkeys(sys.stdlib_module_names, "a module of the standard library") | {
+FOLDER, LEFT_OUT = catalogue.COURSE_FOLDER, "__pycache__"
+OTHERS = dict.fromkeys(sys.stdlib_module_names, "a module of the standard library")
+OTHERS |= dict.fromkeys(ALWAYS, "a package that every notebook can use") | {
     "polhode": "the students' kit",
     "guest": "a package of the sandbox",
-    **dict.fromkeys(
-        ("numpy", "scipy", "matplotlib", "mpl_toolkits", "IPython"), "a package that every notebook can use"
-    ),
 }
 """What comes before a course's package, by its name."""
 COMPILED = (".so", ".pyd", ".dylib")
@@ -28,9 +26,7 @@ COMPILED = (".so", ".pyd", ".dylib")
 
 def folders() -> list[Path]:
     """Return the folders in the order in which packages are looked for."""
-    homes = catalogue.folders()
-    found = [home.parent / FOLDER for home in homes] + [home / FOLDER for home in homes]
-    return [folder for folder in dict.fromkeys(found) if folder.is_dir()]
+    return catalogue.course_folders()
 
 
 def names(*more: Path) -> set[str]:

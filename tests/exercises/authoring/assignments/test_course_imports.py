@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.authoring.assignments.course_imports import distributions
+from exercises.authoring.assignments.course_imports import distributions, libraries
 from exercises.authoring.publishing import wheel
 from tests.support.assignments import copied, known
 from tests.support.course_shape import written
@@ -32,3 +32,9 @@ def test_every_assignment_has_what_the_courses_packages_import(tmp_path):
         for slug in ("rigid-body", "damped-oscillator"):
             assert found.valid[slug].packages == ("sympy",)
         assert "KIT sympy\\n" in wheel.notebook(found.valid["rigid-body"], "http://s", "KIT").decode()
+
+
+def test_what_is_imported_with_the_package_is_loaded_beforehand(tmp_path):
+    written(tmp_path / "lab", "__init__.py", "import numpy\nimport sympy.abc\ndef f():\n    import yaml\n")
+    written(tmp_path / "lab", "no_such.py", "import no_such_library\n")
+    assert libraries((tmp_path,)) == ("sympy",)

@@ -11,6 +11,7 @@ from fastapi.middleware.cors import CORSMiddleware
 from fastapi.middleware.gzip import GZipMiddleware
 from fastapi.staticfiles import StaticFiles
 
+from exercises.authoring.assignments import course_packages
 from exercises.authoring.assignments.catalogue import load_catalogue
 from service.api import (
     events,
@@ -148,8 +149,8 @@ async def _lifespan(app: FastAPI, find_loss: Callable[[], str | None]) -> AsyncI
     ) as database:
         valid, invalid = load_catalogue()
         await register(database, valid.values())
-        for broken in invalid.values():
-            log.error("%s", broken)
+        for sentence in [*invalid.values(), *course_packages.errors()]:
+            log.error("%s", sentence)
         listener, renderer = Listener(database), Renderer()
         hub = Hub(settings.hub_api_url, settings.hub_service)
         checker, large_bodies = PasswordChecker(database), parse_submission.LargeBodies(settings)

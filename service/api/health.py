@@ -6,6 +6,7 @@ import psycopg
 from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
+from exercises.authoring.assignments import course_packages
 from exercises.authoring.assignments.catalogue import load_catalogue
 from service.api.answers import Ready
 from service.http.metrics import exposition
@@ -74,6 +75,8 @@ async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
     # A broken assignment does not make the server unready: the others can be graded.
     broken = load_catalogue().invalid
     invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
+    if wrong := course_packages.errors():
+        invalid["course"] = "; ".join(wrong)
     try:
         if missing := [row.name for row in await database.rows(MISSING_TABLES)]:
             raise DatabaseLost(f"tables are missing: {', '.join(missing)}")

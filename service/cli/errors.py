@@ -44,5 +44,7 @@ def print_error(error: Exception) -> None:
         named = isinstance(error, OSError) and error.filename is not None and error.strerror
         sentence = f"{error.filename}: {error.strerror}" if named else error  # type: ignore[attr-defined]
         print(f"polhode: {sentence}", file=sys.stderr)
+    elif isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] == "polhode":
+        print("polhode: the students' kit is not installed here: install polhode-kit again", file=sys.stderr)
     else:
         traceback.print_exc()

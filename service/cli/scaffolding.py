@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from exercises.authoring.assignments import catalogue
+from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.importing.importing import quoted
 from exercises.authoring.publishing.publish import markdown
 from service.cli.errors import CommandError
@@ -51,9 +51,10 @@ def _assignments(arguments: argparse.Namespace) -> int:
         print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
         for exercise in assignment.exercises:
             print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
-    for error in invalid.values():
-        print(f"polhode: {error}", file=sys.stderr)
-    return 2 if invalid else 0
+    wrong = [*map(str, invalid.values()), *course_packages.errors()]
+    for sentence in [*wrong, *course_packages.remarks()]:
+        print(f"polhode: {sentence}", file=sys.stderr)
+    return 2 if wrong else 0
 
 
 def _new(arguments: argparse.Namespace) -> None:

@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from exercises.authoring.assignments.assignment import PublishedCell
+from exercises.authoring.publishing.publish import IS_BROUGHT
 from service.sandbox.guest.pieces import MARK, MOST_PIECES
 from service.sandbox.job import Cell
 
@@ -176,7 +177,7 @@ def _lines(source: str) -> list[str]:
 
 
 def _text(source: str) -> str:
-    return "\n".join(_lines(source.strip()))
+    return "\n".join(_lines(IS_BROUGHT.sub("", source.strip())))
 
 
 def _cell(published: PublishedCell) -> Cell:

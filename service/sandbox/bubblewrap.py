@@ -12,6 +12,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from exercises.authoring.assignments import course_packages
+from exercises.authoring.assignments.course_imports import libraries
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest.scratch import MIB, ROOM
 from service.sandbox.guest_files import (
@@ -57,6 +58,7 @@ def namespace_isolation(
     inside = zygote_command(
         path=[GUEST_CODE, SITE_PACKAGES, *course],
         course=[*course],
+        libraries=libraries([*course.values()]),
         user=user,
         layers=applied,
         readable=readable,

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from exercises.authoring.assignments import course_packages
+from exercises.authoring.assignments.course_imports import libraries
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     BASE_PREFIX,
@@ -144,6 +145,7 @@ def process_isolation(
     inside = zygote_command(
         path=path,
         course=course,
+        libraries=libraries(course),
         user=user,
         layers=applied,
         readable=[*readable, DATA],

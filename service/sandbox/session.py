@@ -54,6 +54,11 @@ class ChildExit(NamedTuple):
         """The exit codes of both, negative for a signal."""
         return [os.waitstatus_to_exitcode(status) for status in (self.status, self.reference)]
 
+    def __str__(self) -> str:
+        code = self.codes[0]
+        how = f"ended by {signal.Signals(-code).name}" if code < 0 else f"exited with code {code}"
+        return f"its process {how} after {self.cpu_s:.1f} s of CPU time"
+
 
 @dataclass
 class PlaySession:
@@ -146,8 +151,8 @@ class PlaySession:
                 raise NotPrepared(
                     f"its own code failed before the submission ran: {self.reader.not_prepared}"
                 )
-            words = text(self.output.decode(errors="replace")[-500:])
-            raise SystemFault(f"the sandbox failed before the submission ran: {words or self.ended}")
+            words = text(self.output.decode(errors="replace")[-500:]) or str(self.ended)
+            raise SystemFault(f"the sandbox failed before the submission ran: {words}")
         for name, calls in self.job.calls(self.calls).items():
             if "calls" in (arrays := result.arrays.get(name, {})):
                 arrays["calls"] = calls  # what the submission's process says of them is worth nothing

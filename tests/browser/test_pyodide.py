@@ -176,3 +176,13 @@ def test_the_checks_of_a_cell_are_those_of_the_server(python, pyodide):
         pytest.skip("npm's Pyodide has no numpy: name a folder with a complete Pyodide in POLHODE_PYODIDE")
     assert python("wait", 'polhode.check("2").summary()') == "3 of 3 public checks ✓"
     assert python("wait", "polhode.submit(euler_eqs).summary()").startswith("5 of 36, +0 of 6 bonus points")
+
+
+def test_the_courses_package_that_connect_brings_is_imported_after_what_is_installed(python):
+    which = "from ecp.validate import check\nimport ecp\necp.__file__"
+    assert python("run", which).endswith("/assignments/rigid_body/course/ecp/__init__.py")
+    python("run", "import os\nos.makedirs('/own/ecp')\nopen('/own/ecp/__init__.py', 'w').close()")
+    again = "import sys\nfor name in [n for n in sys.modules if n.startswith('ecp')]: del sys.modules[name]"
+    assert (
+        python("run", f"{again}\nsys.path.append('/own')\nimport ecp\necp.__file__") == "/own/ecp/__init__.py"
+    )

@@ -6,7 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from exercises.authoring.assignments import catalogue
+from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.catalogue import load_catalogue
 from exercises.authoring.publishing import public_side
 
@@ -50,6 +50,7 @@ def _forget_what_depends_on_it():
     for cached in (
         load_catalogue,
         catalogue._load,
+        course_packages._errors,
         public_side.build,
         public_side.archive,
         public_side._content,

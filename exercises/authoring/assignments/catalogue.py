@@ -6,6 +6,7 @@ import importlib.machinery
 import importlib.util
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -13,17 +14,27 @@ from typing import Any, NamedTuple
 import exercises
 from exercises.authoring.assignments import validation
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.course_imports import distributions
 from exercises.authoring.assignments.validation import format_error, syntax_errors
 from exercises.authoring.notebook import Notebook as DeclaredNotebook
 from exercises.authoring.questions.author import Notebook
 
 SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"
-DECLARATION = "assignment.py"
+DECLARATION, COURSE_FOLDER = "assignment.py", "course"
 
 
 def folders() -> list[Path]:
     """Return every folder of an assignment, valid or not, those in this folder first."""
     return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in discover(one))]))
+
+
+def course_folders() -> list[Path]:
+    """Return the folders with the course's own packages, in the order in which these are looked for: those
+    beside assignments, then those of single assignments.
+    """
+    homes = folders()
+    found = [home.parent / COURSE_FOLDER for home in homes] + [home / COURSE_FOLDER for home in homes]
+    return [folder for folder in dict.fromkeys(found) if folder.is_dir()]
 
 
 def is_taken(slug: str) -> bool:
@@ -202,6 +213,8 @@ def _load(folder: Path) -> Assignment | InvalidAssignment:
     try:
         assignment, errors = load(folder)
         errors = errors or validation.errors(assignment)
+        if not errors and (more := distributions(tuple(course_folders()))):
+            assignment = replace(assignment, packages=tuple(dict.fromkeys([*assignment.packages, *more])))
     except InvalidAssignment as error:
         errors = error.errors
     except (Exception, SystemExit) as error:

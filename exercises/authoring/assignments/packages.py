@@ -2,9 +2,11 @@
 (``packages``).
 """
 
+import functools
 import platform
 import re
 from collections.abc import Collection, Iterable
+from contextlib import suppress
 from importlib import metadata
 
 FOR_STUDENTS = ("numpy", "scipy", "matplotlib")
@@ -57,16 +59,21 @@ def with_requirements(names: Iterable[str]) -> dict[str, metadata.Distribution]:
     while todo:
         name = todo.pop()
         done.add(name)
-        try:
-            found[name] = metadata.distribution(name)
-        except metadata.PackageNotFoundError:
-            continue
-        # parsing all of the header, as ``requires`` does, takes 20 ms
-        header = (found[name].read_text("METADATA") or "").partition("\n\n")[0]
-        lines = re.findall(r"^Requires-Dist: (.+)$", header, re.MULTILINE)
-        required = [line for line in lines if "extra ==" not in line]
-        todo |= {re.split(r"[ <>=!~;\[(]", line, maxsplit=1)[0].lower() for line in required} - done
+        with suppress(metadata.PackageNotFoundError):
+            found[name], required = _with_required(name)
+            todo |= required - done
     return found
+
+
+@functools.cache
+def _with_required(name: str) -> tuple[metadata.Distribution, set[str]]:
+    """Return a distribution and the names of what it requires."""
+    found = metadata.distribution(name)
+    # parsing all of the header, as ``requires`` does, takes 20 ms
+    header = (found.read_text("METADATA") or "").partition("\n\n")[0]
+    lines = re.findall(r"^Requires-Dist: (.+)$", header, re.MULTILINE)
+    required = [line for line in lines if "extra ==" not in line]
+    return found, {re.split(r"[ <>=!~;\[(]", line, maxsplit=1)[0].lower() for line in required}
 
 
 def _installed(name: str) -> bool:

@@ -40,6 +40,12 @@ def course_words(folder: Path) -> Words:
     return words((folder.parent / COURSE, folder / COURSE))
 
 
+def course_packages(folder: Path) -> set[str]:
+    """Return the names of the course's packages and modules that the assignment in ``folder`` can import."""
+    found = [path for home in (folder.parent / COURSE, folder / COURSE) for path in home.glob("[!_.]*")]
+    return {path.stem for path in found if path.suffix == ".py" or any(path.glob("*.py"))}
+
+
 def words(folders: Iterable[Path]) -> Words:
     """Return the words of the packages in these folders, of which the first that has a module counts."""
     return _words(tuple(folder for folder in folders if folder.is_dir()))

@@ -36,6 +36,11 @@ polhode.connect(SERVER, assignment="{slug}")
 polhode.login()"""
 SUBMIT_NOTE = '# Run All does not submit. Run the cells above first; then remove the "# " from the next line.'
 EMPTY = "# your code here"
+BROUGHT = "  # polhode.connect, in a cell above, brings {package}"
+"""A comment behind the first import of a course's package: the traceback shows it to a student who runs that
+cell first.
+"""
+IS_BROUGHT = re.compile(re.escape(BROUGHT).replace(re.escape("{package}"), r"\w+") + "$", re.MULTILINE)
 
 
 class Section(NamedTuple):
@@ -83,10 +88,15 @@ def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
     return cells
 
 
-def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> str:
-    """Return the students' notebook as JSON text (nbformat 4.5), from the author's ``cells``."""
+def published(
+    slug: str, cells: Sequence[Cell], sections: Sequence[Section], packages: Collection[str] = ()
+) -> str:
+    """Return the students' notebook as JSON text (nbformat 4.5), from the author's ``cells``. ``packages``
+    are the course's own.
+    """
     names = [name for section in sections for name in section.names]
     kept = [cell for cell in cells if cell.kind == "code" or SOLUTION not in cell.tags]
+    kept = _with_comment(kept, packages)
     read = {name for cell in kept if not cell.is_solution(names) for name in _read_in(cell)} | set(names)
     checked = dict(_checks(kept, sections))
     made = []
@@ -115,6 +125,22 @@ def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> 
         "nbformat_minor": 5,
     }
     return json.dumps(written, indent=1, ensure_ascii=False) + "\n"
+
+
+def _with_comment(cells: Sequence[Cell], packages: Collection[str]) -> list[Cell]:
+    """Return the cells with the comment BROUGHT, if one imports a package of the course."""
+    for at, cell in enumerate(cells):
+        imports = [node for node in cell.nodes if isinstance(node, ast.Import | ast.ImportFrom)]
+        for node in sorted(imports, key=lambda node: node.lineno):
+            found = (
+                [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
+            )
+            if own := [top for name in found if (top := name.partition(".")[0]) in packages]:
+                lines, text = cell.source.split("\n"), python_of(cell.source) or ""
+                line = len(lines) - len(text.split("\n")) + node.lineno - 1
+                lines[line] += "" if lines[line].endswith("\\") else BROUGHT.format(package=own[0])
+                return [*cells[:at], replace(cell, source="\n".join(lines)), *cells[at + 1 :]]
+    return list(cells)
 
 
 def _checks(cells: Sequence[Cell], sections: Sequence[Section]) -> Iterator[tuple[str, int]]:

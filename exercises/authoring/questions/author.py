@@ -21,7 +21,7 @@ from exercises.authoring.importing.validation_cells import (
     published_cells,
     reported_exercises,
 )
-from exercises.authoring.importing.words import course_words
+from exercises.authoring.importing.words import course_packages, course_words
 from exercises.authoring.publishing import publish
 from exercises.authoring.publishing.publish import Section
 from exercises.authoring.questions import author_notebook
@@ -232,7 +232,10 @@ class Notebook:
             sweeps=(self.sweep,) if self.sweep else self._sweeps(),
             notebook=functools.cache(
                 lambda: publish.published(
-                    slug, cells or publish.plain(self.title, setup, self.sections), self.sections
+                    slug,
+                    cells or publish.plain(self.title, setup, self.sections),
+                    self.sections,
+                    course_packages(folder),
                 )
             ),
             variants=functools.cache(self._variants),

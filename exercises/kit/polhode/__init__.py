@@ -38,9 +38,8 @@ def __getattr__(name: str) -> Any:
 
 def _use_packages() -> None:
     """Let a notebook's kernel import the course's packages of the assignment that was connected last."""
-    cache = importlib.import_module("polhode.client.cache")
-    if (assignment := cache.last()) is not None:
-        importlib.import_module("polhode.client.course").use_packages(assignment)
+    last = importlib.import_module("polhode.client.cache").last()
+    importlib.import_module("polhode.client.course_packages").use(last)
 
 
 if "IPython" in sys.modules:

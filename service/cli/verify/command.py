@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 
-from exercises.authoring.assignments import catalogue, validation
+from exercises.authoring.assignments import catalogue, course_packages, validation
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.catalogue import find, load_catalogue
 from exercises.authoring.assignments.samples import SampleSet, load_samples, with_entries
@@ -20,11 +20,12 @@ from service.cli.arguments import count, seed
 from service.cli.output_dir import write
 from service.cli.progress import Progress
 from service.cli.verify import comparison
+from service.cli.verify.course import import_errors
 from service.cli.verify.made_samples import verify_made
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.sandbox.isolation import Isolation
-from service.sandbox.select import choose
+from service.sandbox.select import choose, with_packages
 from service.settings import Settings
 
 SEED, SEEDS = 1, 4
@@ -75,7 +76,11 @@ def _verify(arguments: argparse.Namespace) -> int:
         invalid += [
             f"assignment {assignment.slug}: {error}" for error in validation.public_errors(assignment)
         ]
-    for sentence in invalid:
+    if not arguments.source:
+        packages = {name for assignment in selected for name in assignment.packages}
+        invalid += course_packages.errors()
+        invalid += import_errors(with_packages(isolation.result(), sorted(packages)))
+    for sentence in [*invalid, *course_packages.remarks()]:
         print(f"polhode: {sentence}", file=sys.stderr)
     if arguments.source:
         return _print_source([assignment for assignment, _ in sets], arguments.source)

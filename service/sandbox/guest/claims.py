@@ -25,7 +25,7 @@ import numpy as np
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.claims import KINDS, MOST_DETAIL, MOST_LABEL, kind_of, one_line, words_in
 
-from .budget import OutOfTime
+from .budget import Budget, OutOfTime, limited
 from .pieces import nodes_of
 from .wire import Writer
 
@@ -37,6 +37,7 @@ MOST_NUMBERS = 1 << 16  # of one frame: 512 KiB
 MOST_IN_FIELD = 10**7  # of one claim, sent in blocks
 MOST_IN_ALL = 10**8  # numbers of all claims
 MOST_AXES = 8
+IMPORT_S = 10.0  # of CPU time, for one module of the course with all that it imports
 MARKS = "✓✗"
 BRACKETS = re.compile(r" *\[(.*?)\](?:\n|$)", re.DOTALL)
 course = list[str]()  # folders with the course's own packages
@@ -283,25 +284,27 @@ def _mentioned(sources: Iterable[str]) -> tuple[set[str], set[str]]:
 
 
 def _import(name: str) -> None:
-    """Import a module of the course. Raises AuthorError if code of the course fails; a module that does not
-    exist is the importing cell's error.
+    """Import a module of the course. Raises AuthorError if code of the course fails or does not end; a module
+    that does not exist is the importing cell's error.
     """
-    try:
+
+    def load() -> None:
         importlib.import_module(name)
-    except Exception as error:
-        frames = [
-            f for f in traceback.extract_tb(error.__traceback__) if f.filename.startswith(tuple(course))
-        ]
-        at = frames[-1] if frames else None
-        if isinstance(error, SyntaxError) and str(error.filename).startswith(tuple(course)):
-            raise AuthorError(_failed(str(error.filename), error.lineno, error)) from error
-        if at is not None:
-            raise AuthorError(_failed(at.filename, at.lineno, error)) from error
+
+    error, folders = limited(load, Budget(IMPORT_S)), tuple(course)
+    if isinstance(error, SyntaxError) and str(error.filename).startswith(folders):
+        raise AuthorError(_failed(str(error.filename), error.lineno, error)) from error
+    frames = [] if error is None else traceback.extract_tb(error.__traceback__)
+    at = next((frame for frame in reversed(frames) if frame.filename.startswith(folders)), None)
+    if at is not None and error is not None:
+        raise AuthorError(_failed(at.filename, at.lineno, error)) from error
 
 
-def _failed(filename: str, line: int | None, error: Exception) -> str:
+def _failed(filename: str, line: int | None, error: BaseException) -> str:
     folder = next(folder for folder in course if filename.startswith(folder))
     where = f"course{filename.removeprefix(folder)}"
+    if isinstance(error, OutOfTime):
+        return f"{where}, line {line}: importing it takes more than {IMPORT_S:g} s"
     message = error.msg if isinstance(error, SyntaxError) else error
     return f"{where}, line {line}: {type(error).__name__}: {one_line(message, 200)}"
 

@@ -76,12 +76,14 @@ def main(
     folders: list[str],
     scratch: list[str],
     course: list[str],
+    libraries: list[str],
 ) -> None:
     """Import the libraries and obey the control socket. With LATER as ``when``, leave out those in MODULES
     until one is needed.
 
-    ``course`` are the folders with the course's own packages. The scratch folders of children are made in the
-    first folder of ``scratch``, and those of each copy in another one if there are enough.
+    ``course`` are the folders with the course's own packages, which import ``libraries``. The scratch folders
+    of children are made in the first folder of ``scratch``, those of each copy in another one if there are
+    enough.
     """
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
@@ -96,6 +98,9 @@ def main(
     else:
         for library in MODULES:
             _import(library)
+        for library in libraries:
+            with contextlib.suppress(Exception):  # what fails here fails in the child too, and is named there
+                importlib.import_module(library)
     importlib.import_module("guest.readable_modules").install()
     gc.freeze()
     sys.modules["guest.run_scenes"].copy_modules()

@@ -110,3 +110,13 @@ def test_regrading_what_does_not_exist_and_rules_that_are_set(monkeypatch, datab
     )
     told = polhode("assign", "nope")
     assert told.returncode == 2 and "no assignment nope" in told.stderr
+
+
+def test_a_server_without_the_kit_says_what_to_install():
+    code = (
+        "import sys\nsys.modules['polhode'] = None\nfrom service.cli.__main__ import main\nsys.exit(main())"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "assignments"], capture_output=True, text=True, check=False
+    )
+    assert_one_sentence(ended, "polhode: the students' kit is not installed here: install polhode-kit again")

@@ -21,6 +21,7 @@ from tests.project.test_docs import documented_codes
 from tests.support import command_line
 from tests.support.asgi import visit
 from tests.support.assignments import copied, known
+from tests.support.course_shape import written
 from tests.support.http_client import Browser
 from tests.support.kit import environment, installed
 from tests.support.limits import largest_file
@@ -244,6 +245,7 @@ def test_a_server_serves_it_and_a_broken_one_costs_only_itself(
     tmp_path, course_with_a_broken_one, new_server, database_url
 ):
     course = str(course_with_a_broken_one)
+    written(course_with_a_broken_one / "course", "random.py", "")
     server = new_server(
         tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1", POLHODE_ASSIGNMENTS=course
     )
@@ -256,7 +258,10 @@ def test_a_server_serves_it_and_a_broken_one_costs_only_itself(
     assert document["title"] == TITLE and [c["id"] for c in document["exercises"][0]["checks"]] == CHECKS
     slugs = {a["slug"] for a in told("/v1/assignments")}
     assert slugs >= {"rigid-body", "driven-pendulum"} and "broken-one" not in slugs
-    assert told("/readyz")["checks"]["assignments"] == "broken: broken-one"
+    checks = told("/readyz")["checks"]
+    assert checks["assignments"] == "broken: broken-one"
+    assert "random.py has the name of a module of the standard library" in checks["course"]
+    assert "random.py has the name of a module of the standard library" in server.log.read_text()
     notebook = told(document["notebook"])
     assert 'polhode.connect(SERVER, assignment="driven-pendulum")' in "".join(notebook["cells"][2]["source"])
     assert server.url in "".join(notebook["cells"][2]["source"])

@@ -6,6 +6,7 @@ import time
 import pytest
 
 from exercises.authoring.assignments.assignment import PublishedCell
+from exercises.authoring.publishing.publish import BROUGHT
 from service.grading.grade import grade
 from service.grading.published import with_published
 from service.grading.submission import Submission
@@ -107,6 +108,13 @@ def test_an_edited_copy_stands_where_the_student_has_it(edited):
     merged = with_published([Cell(f"cell {k}", text) for k, text in enumerate(sources, 1)], GIVEN)
     names = [cell.name for cell in merged]
     assert names == ["setup", "cell 2", "cell 3", "validation", "cell 4", "more"]
+
+
+def test_a_copy_with_the_comment_of_the_students_notebook_is_not_edited():
+    setup = PublishedCell("setup", "import numpy as np\nimport ecp\nN = 10\n", True, "")
+    commented = setup.source.replace("import ecp", "import ecp" + BROUGHT.format(package="ecp"))
+    for source, names in ((commented, ["setup"]), (commented + "# mine", ["setup", "cell 1"])):
+        assert [cell.name for cell in with_published([Cell("cell 1", source)], [setup])] == names
 
 
 def test_a_cell_of_the_student_is_no_copy_because_it_uses_the_same_names():

@@ -4,6 +4,13 @@ from tests.support.breakages.breakage import Breakage
 
 KIT = [
     Breakage(
+        "the course's package that connect brings hides the one that is installed in editable mode",
+        "exercises/kit/polhode/client/course_packages.py",
+        "sys.meta_path.append(packages)",
+        "sys.meta_path.insert(0, packages)",
+        ("tests/exercises/kit/polhode/client/test_course_packages.py",),
+    ),
+    Breakage(
         "close lets a difference that is not a number pass",
         "exercises/kit/polhode/judging/judge.py",
         "np.all(np.isfinite(want)) and np.all(delta <= allowed)",

@@ -354,6 +354,23 @@ SANDBOX = [
         ("tests/service/sandbox/test_claims.py",),
     ),
     Breakage(
+        "a strict ✗ of a validation word stops the rest of a given cell",
+        "service/sandbox/guest/cells.py",
+        "self.statements.goes_on = recorder.has_raised if published else lambda error: False",
+        "self.statements.goes_on = lambda error: False",
+        (
+            "tests/system/test_imported_notebooks.py"
+            "::test_a_strict_cross_ends_its_statement_and_no_other_of_a_given_cell",
+        ),
+    ),
+    Breakage(
+        "a course's module that never ends its import uses up the grading",
+        "service/sandbox/guest/claims.py",
+        "limited(load, Budget(IMPORT_S))",
+        "limited(load, Budget(100 * IMPORT_S))",
+        ("tests/service/cli/verify/test_course.py::test_a_module_that_does_not_end_is_named",),
+    ),
+    Breakage(
         "the guest may make up diagnosis codes",
         "service/sandbox/wire.py",
         "code if isinstance(code, str) and code in GUEST_CODES else None",

@@ -32,6 +32,40 @@ def sources(text):
     return ["".join(cell["source"]) for cell in json.loads(text)["cells"]]
 
 
+BROUGHT = "  # polhode.connect, in a cell above, brings lab"
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        (
+            "import numpy as np\nimport lab\nimport lab.x",
+            f"import numpy as np\nimport lab{BROUGHT}\nimport lab.x",
+        ),
+        (
+            "%%time\nx = 1\nfrom lab.x import (\n    y,\n)",
+            f"%%time\nx = 1\nfrom lab.x import ({BROUGHT}\n    y,\n)",
+        ),
+        ("from lab import \\\n  x", "from lab import \\\n  x"),
+        ("import labs\nfrom x import lab", "import labs\nfrom x import lab"),
+    ],
+)
+def test_the_first_import_of_a_courses_package_says_what_brings_it(source, found):
+    text = published("falling", [Cell("code", source, "setup"), Cell("code", source, "other")], [], {"lab"})
+    *_, setup, other, _ = sources(text)
+    assert (setup, other) == (found, source if BROUGHT in found else found)
+
+
+@pytest.mark.parametrize(
+    ("place", "found"), [("course/lab", True), ("falling/course/lab", True), ("lab", False)]
+)
+def test_the_packages_beside_an_assignment_and_its_own_are_the_courses(place, found, tmp_path):
+    folder = write(tmp_path, [code("from lab import x"), *CELLS])
+    (tmp_path / place).mkdir(parents=True)
+    (tmp_path / place / "__init__.py").write_text("x = 1\n")
+    assert (BROUGHT in students(folder)) is found
+
+
 def test_the_authors_notebook_becomes_the_students(tmp_path):
     title, note, install, *others = sources(students(write(tmp_path)))
     assert title == "# Falling" and "{{PACKAGES}}" in note

@@ -250,6 +250,8 @@ class Ask:
         inputs: JointDraw | None = None,
         *,
         returns: str | Sequence[str] = "",
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
     ) -> Asked:
         """Ask for a sympy expression, or a matrix or tuple of them, that a function returns.
@@ -263,6 +265,8 @@ class Ask:
             inputs,
             _names(returns),
             share,
+            label=label,
+            alike=mistakes_of,
         )
 
     def animation(

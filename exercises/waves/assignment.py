@@ -1,131 +1,233 @@
-"""Waves: the dispersion of water waves by a root finder, and a string on a grid with its stability limit and
-its spectrum.
+"""Waves: what is asked about notebook.ipynb, which holds text, Setup and solutions.
 
-Each truth is another method than its solution; ``tests/exercises/test_waves.py`` compares the truths with a
-third source: 60-digit roots, powers of matrices, and d'Alembert's solution.
+Exercises 1 and 2 find roots of functions of which the root is known otherwise. Exercises 3 to 6 follow a
+string of N intervals on a grid, whose displacements (N + 1,) are 0 at both ends. Its modes sin(mπj/N) are
+eigenvectors of the second difference: a step multiplies each by a number, so a truth needs no neighbours.
+
+Every truth has a third source in tests/exercises/test_waves.py: 60-digit roots, powers of matrices, and
+d'Alembert's solution.
 """
 
-from math import inf, pi, sin, sinh, sqrt, tanh
+from math import pi, sin, sinh, sqrt, tanh
 
 import numpy as np
 from scipy.fft import dst
 
-from exercises.authoring.kinds.values import other_inputs, values
-from exercises.authoring.questions.author import (
+from exercises.authoring import (
     Notebook,
-    Tolerance,
-    family,
-    integers,
-    mistake,
+    absolute,
+    array_of,
+    at_most,
+    between,
+    close,
+    expression,
+    function,
+    in_turn,
+    integer,
     normal,
-    uniform,
+    one_of,
+    relative,
     with_ends,
 )
 
-notebook = Notebook("Waves", notebook="notebook.ipynb")
-ROUNDING = Tolerance(limit=1e-12, reason="a thousand times the rounding errors of a sum over the grid")
-G = 9.81
+notebook = Notebook("notebook.ipynb")
+
+g = 9.81  # m/s²
 
 
-def find_root(f, a, b, tol):
-    fa, fb = f(a), f(b)
-    while True:
-        x = b - fb * (b - a) / (fb - fa)
-        if abs(x - b) <= tol:
-            return x
-        fx = f(x)
-        if fx * fb < 0:
-            a, fa = b, fb
-        else:
-            fa /= 2
-        b, fb = x, fx
+# Exercise 1: roots
 
 
-def by_iteration(w, d):
-    """Solve y tanh y = w² d / g for y = k d by Newton's method, from above."""
-    c = w**2 * d / G
+def arctan_between(x, a, b, size, steepness, part):
+    """A function of the given size that rises from a to b, steeply at its root, a ``part`` of the way. It is
+    nan outside, but for rounding errors of x.
+    """
+    from_a = (x - a) / (b - a)
+    is_inside = -1e-6 <= from_a <= 1 + 1e-6
+    return size * np.arctan(steepness * (from_a - part)) if is_inside else np.nan
+
+
+def function_of_size(size):
+    """Return the draw of an interval and of such a function."""
+
+    @notebook.draw
+    def steep_function(draw):
+        a = draw(between(-200, 200))
+        return {
+            "a": a,
+            "b": a + draw(between(5, 100)),
+            "size": draw(size),
+            "steepness": draw(between(20, 100)),
+            "part": draw(between(0.1, 0.9)),
+        }
+
+    return steep_function
+
+
+@notebook.exercise("1")
+def a_root_finder(ask):
+    """The root of a rising function, to 1e-10 with at most 30 calls: the Illinois method, or a better one."""
+    few_calls = at_most(
+        30, because="bisection needs 38, methods that converge faster than linearly at most 24"
+    )
+    twice = absolute(2e-10, because="tol, twice")
+
+    find_root = ask.function("find_root", calls=few_calls)
+    find_root.case(
+        "waves on water",
+        f=expression(
+            "9.81 * k * tanh(k * d) - w**2", of="k", w=between(1, 6), d=with_ends(0.1, 10, log=True)
+        ),
+        a=0.0,
+        b=20.0,
+        tol=1e-10,
+    )
+    find_root.truth(wave_number_by_newton, agree=twice)
+    find_root.mistake(
+        "precision-loss",
+        "the search stops at 1e-3 whatever tol is",
+        change="abs(x - b) <= tol -> abs(x - b) <= 1e-3",
+    )
+
+    @find_root.mistake("wrong-method", "bisection uses the signs of f only, and needs 38 calls")
+    def bisection(f, a, b, tol):
+        while b - a > tol:
+            middle = (a + b) / 2
+            a, b = (middle, b) if f(middle) < 0 else (a, middle)
+        return (a + b) / 2
+
+    @find_root.mistake("wrong-method", "the method of false position keeps one end, and converges slowly")
+    def false_position(f, a, b, tol):
+        fa, fb, x = f(a), f(b), a
+        while True:
+            x, before = b - fb * (b - a) / (fb - fa), x
+            if abs(x - before) <= tol:
+                return x
+            fx = f(x)
+            a, fa, b, fb = (a, fa, x, fx) if fx > 0 else (x, fx, b, fb)
+
+    find_root.mistake(
+        "wrong-comparison",
+        "the search keeps the end with the same sign",
+        change="fx * fb < 0 -> fx * fb > 0",
+    )
+
+    @find_root.mistake("wrong-comparison", "the search stops where |f| is small, instead of the interval")
+    def stops_at_small_values(f, a, b, tol):
+        fa, fb = f(a), f(b)
+        while True:
+            x = b - fb * (b - a) / (fb - fa)
+            fx = f(x)
+            if abs(fx) <= tol:
+                return x
+            if fx * fb < 0:
+                a, fa = b, fb
+            else:
+                fa /= 2
+            b, fb = x, fx
+
+    functions = in_turn(
+        function_of_size(one_of(1e-6)),
+        function_of_size(one_of(1e3)),
+        function_of_size(with_ends(1e-6, 1e3, log=True)),
+    )
+    steep = ask.function(
+        "find_root",
+        calls=few_calls,
+        label="find_root is right for steep functions and other intervals",
+        mistakes_of=find_root,
+    )
+    steep.case(
+        "steep functions",
+        functions,
+        public=6,
+        hidden=16,
+        steep=function(
+            arctan_between,
+            size=functions["size"],
+            steepness=functions["steepness"],
+            part=functions["part"],
+        ),
+    )
+
+    @steep.observe
+    def root_between(find_root, steep, a, b):
+        return find_root(lambda x: steep(x, a, b), a, b, 1e-10)
+
+    @steep.truth(agree=twice)
+    def where_the_arctan_is_0(a, b, part):
+        return a + part * (b - a)
+
+
+# Exercise 2: the dispersion relation w² = g k tanh(kd)
+
+
+def wave_number_by_newton(w, d):
+    """Solve y tanh y = w² d / g for y = k d by Newton's method, from a start above the root."""
+    c = w**2 * d / g
     y = c + sqrt(c)
     for _ in range(60):
         y -= (y * tanh(y) - c) / (tanh(y) + y * (1 - tanh(y) ** 2))
     return y / d
 
 
-wrong = [
-    mistake(
-        "abs(x - b) <= tol",
-        "abs(x - b) <= 1e-3",
-        "precision-loss",
-        "the search stops at 1e-3 whatever tol is",
-    ),
-    mistake("        x = b - fb * (b - a) / (fb - fa)", "        x = (a + b) / 2\n        f((a + b) / 2)"),
-    mistake("            fa /= 2\n", "            pass\n"),
-    mistake("fx * fb < 0", "fx * fb > 0", "wrong-comparison", "the search keeps the end with the same sign"),
-]
-f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=with_ends(0.1, 10, log=True))
-ask = {"f": f, "a": 0.0, "b": 20.0, "tol": 1e-10}
-twice = Tolerance(atol=2e-10, reason="tol, twice")
-budget = Tolerance(
-    limit=30, reason="bisection needs 38, methods that converge faster than linearly at most 24"
-)
-waves = values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong)
-text = "c * arctan(s * (x - a - p * l) / l) if 0 <= x - a <= 1.000001 * l else np.nan"
-given = {"s": uniform(20, 100), "c": with_ends(1e-3, 1e3, log=True), "p": uniform(0.1, 0.9)}
-steep = family(text, "x", "a", "l", **given)
-ask = {"steep": steep, "a": uniform(-200, 200), "l": uniform(5, 100)}
-call = "find_root(lambda x: steep(x, a, l), a, a + l, 1e-10)"
-asked = {"calls": budget, "call": call, "label": "find_root is right for steep functions and other intervals"}
-steep = values(find_root, ask, twice, truth=lambda a, l, p: a + p * l, **asked)
-notebook.exercise("1", "A root finder", waves, steep)
+@notebook.draw
+def wave_of_middle_depth(draw):
+    """A wave for which k d is 0.4 to 12 and w from 0.8 to 6: the water is neither shallow nor surely deep."""
+    y, d = draw(between(0.4, 12)), draw(between(3.3, 5.9))
+    return {"w": sqrt(g * y / d * tanh(y)), "d": d}
 
 
-def wave_number(w, d):
-    return find_root(
-        lambda k: 9.81 * k * np.tanh(k * d) - w**2, 0.0, w**2 / 9.81 + w / np.sqrt(9.81 * d), 1e-12
+@notebook.draw
+def wave_number_of_middle_depth(draw):
+    """The same for the wave number k."""
+    y, d = draw(between(0.4, 12)), draw(between(1.2, 32))
+    return {"k": y / d, "d": d}
+
+
+@notebook.exercise("2")
+def waves_on_water(ask):
+    """The wave number of a frequency, and the velocity of a group of waves."""
+    any_depth = with_ends(0.05, 32, log=True)
+    middle = "water between shallow and deep"
+
+    wave_number = ask.function("wave_number")
+    wave_number.case("", public=32, hidden=96, w=with_ends(0.5, 6), d=any_depth)
+    wave_number.case(middle, wave_of_middle_depth, public=32, hidden=96)
+    wave_number.truth(
+        wave_number_by_newton,
+        agree=close(rtol=2e-8, atol=0, because="twice the precision that is asked for"),
+    )
+    wave_number.mistake("missing-term", "the waves do not feel the bottom", change=" * np.tanh(k * d) -> ")
+    wave_number.mistake("missing-term", "the water is taken as shallow", change="np.tanh(k * d) -> k * d")
+    wave_number.mistake(
+        "units", "w is taken as a frequency in Hz", change="- w**2, -> - (2 * np.pi * w) ** 2,"
     )
 
+    group_velocity = ask.function("group_velocity")
+    group_velocity.case("", public=32, hidden=96, k=with_ends(0.01, 10, log=True), d=any_depth)
+    group_velocity.case(middle, wave_number_of_middle_depth, public=32, hidden=96)
 
-def group_velocity(k, d):
-    w = np.sqrt(9.81 * k * np.tanh(k * d))
-    return 9.81 * (np.tanh(k * d) + k * d / np.cosh(k * d) ** 2) / (2 * w)
+    @group_velocity.truth(agree=close(rtol=2e-6, atol=0, because="twice the precision that is asked for"))
+    def by_phase_velocity(k, d):
+        """The derivative of ln w² = ln(g k tanh kd) by k is (1 + 2kd / sinh 2kd) / k, so dw/dk is w/2 times
+        that. The phase velocity is w/k = sqrt(g tanh(kd) / k).
+        """
+        return sqrt(g * tanh(k * d) / k) / 2 * (1 + 2 * k * d / sinh(2 * k * d))
 
+    group_velocity.mistake("constant-factor", "the factor 1/2 is missing", change="(2 * w) -> w")
+    group_velocity.mistake(
+        "missing-term",
+        "the derivative of tanh kd is missing",
+        change=" + k * d / np.cosh(k * d) ** 2 -> ",
+    )
 
-def by_phase_velocity(k, d):
-    return sqrt(G * tanh(k * d) / k) / 2 * (1 + 2 * k * d / sinh(2 * k * d))
-
-
-TO_8, TO_6 = (
-    Tolerance(rtol=2 * precision, atol=0, reason="twice the precision that is asked for")
-    for precision in (1e-8, 1e-6)
-)
-depth = with_ends(0.05, 32, log=True)
-ask = {"w": with_ends(0.5, 6), "d": depth}
-wrong = [
-    mistake(" * np.tanh(k * d)", "", "missing-term", "the waves do not feel the bottom"),
-    mistake("np.tanh(k * d)", "k * d", "missing-term", "the water is taken as shallow"),
-    mistake("- w**2,", "- (2 * np.pi * w) ** 2,", "units", "w is taken as a frequency in Hz"),
-]
-number = values(wave_number, ask, TO_8, truth=by_iteration, uses=[find_root], mistakes=wrong, rows=(32, 96))
-call, label = "wave_number(sqrt(9.81 * y / d * tanh(y)), d)", "between shallow and deep water"
-between = other_inputs(number, call, label, y=uniform(0.4, 12), d=uniform(3.3, 5.9))
-wrong = [
-    mistake("(2 * w)", "w", "constant-factor", "the factor 1/2 is missing"),
-    mistake(" + k * d / np.cosh(k * d) ** 2", "", "missing-term", "the derivative of tanh kd is missing"),
-    mistake("    return ", "    return w / k\n    return ", "wrong-quantity", "this is the phase velocity"),
-]
-ask = {"k": with_ends(0.01, 10, log=True), "d": depth}
-group = values(group_velocity, ask, TO_6, truth=by_phase_velocity, mistakes=wrong, rows=(32, 96))
-groups = other_inputs(group, "group_velocity(y / d, d)", label, y=uniform(0.4, 12), d=uniform(1.2, 32))
-notebook.exercise("2", "Waves on water", number, between, group, groups)
+    @group_velocity.mistake("wrong-quantity", "this is the phase velocity")
+    def phase_velocity(k, d):
+        return np.sqrt(9.81 * np.tanh(k * d) / k)
 
 
-def string(rng, N=20):
-    """Return displacements (N + 1,) that are 0 at both ends."""
-    return np.pad(rng.normal(size=N - 1), 1)
-
-
-def courant(rng):
-    """Return r: 1 in a quarter of all cases, else from 0.1 to 1.5."""
-    return rng.choice([1.0, *rng.uniform(0.1, 1.5, 3)])
+# Exercises 3 and 4: steps of the string, mode by mode
 
 
 def amplitudes(u):
@@ -133,229 +235,406 @@ def amplitudes(u):
     return dst(u[1:-1], type=1) / (len(u) - 1)
 
 
-def shape(b, N):
+def sum_of_modes(b, N):
     """Return the displacements (…, N + 1) with the amplitudes b (…, N - 1)."""
     return np.array(b) @ np.sin(pi / N * np.outer(np.arange(1, N), np.arange(N + 1)))
 
 
-def sines(N):
-    """Return sin(mπ/2N) (N - 1,) of the modes: the sine of half the phase of a step is r times that."""
+def half_sines(N):
+    """Return sin(mπ/2N) (N - 1,) for all modes: the second difference of mode m is -4 sin²(mπ/2N) of it."""
     return np.sin(pi / 2 / N * np.arange(1, N))
 
 
-def ragged(text):
-    """Return the expression of all numbers of ``text`` with n = 2, N and 203 - N."""
-    return f"np.concatenate([np.ravel({text}) for n in (2, N, 203 - N)])"
+def courant(rng):
+    """Draw r: 1 in a quarter of all cases, else from 0.1 to 1.5."""
+    return rng.choice([1.0, *rng.uniform(0.1, 1.5, 3)])
 
 
-strings = {"u": normal(200), "r": courant, "N": integers(3, 200)}
+@notebook.draw
+def string_of_20(draw):
+    """Displacements of 20 intervals, now and a step before, and r."""
+    u, before = draw.rng.normal(size=(2, 19))
+    return {"u": np.pad(u, 1), "before": np.pad(before, 1), "r": draw(courant)}
 
 
-def string_step(u, before, r):
-    new = np.zeros(len(u))
-    new[1:-1] = 2 * u[1:-1] - before[1:-1] + r**2 * (u[2:] - 2 * u[1:-1] + u[:-2])
-    return new
+@notebook.draw
+def string_up_to_200(draw):
+    """Numbers for the displacements of strings of 2, N and 203 - N intervals, and r."""
+    u, before = draw.rng.normal(size=(2, 200))
+    return {"u": u, "before": before, "r": draw(courant), "N": draw(integer(3, 200))}
 
 
-def by_modes(u, before, r):
-    N = len(u) - 1
-    return shape((2 - 4 * r**2 * sines(N) ** 2) * amplitudes(u) - amplitudes(before), N)
+@notebook.exercise("3")
+def a_step_of_the_string(ask):
+    """The displacements after a step, from those now and those a step before."""
+    string_step = ask.function("string_step")
+    string_step.case("", string_of_20)
+
+    def of_three_sizes(string_step, u, before, r, N):
+        """The displacements after a step of strings of 2, N and 203 - N intervals, with zeros beyond them."""
+        found = []
+        for n in (2, N, 203 - N):
+            after = string_step(np.pad(u[1:n], 1), np.pad(before[1:n], 1), r)
+            found.append(np.pad(after, (0, 200 - n)))
+        return found
+
+    string_step.case("other sizes", string_up_to_200, call=of_three_sizes)
+
+    @string_step.truth(
+        agree=relative(1e-12, because="a thousand times the rounding errors of a sum over the grid")
+    )
+    def mode_by_mode(u, before, r):
+        """In place of the second difference, mode m has the factor -4 sin²(mπ/2N)."""
+        N = len(u) - 1
+        return sum_of_modes((2 - 4 * r**2 * half_sines(N) ** 2) * amplitudes(u) - amplitudes(before), N)
+
+    string_step.mistake("wrong-power", "r stands in place of r²", change="r**2 -> r")
+    string_step.mistake("missing-term", "the displacement before u is missing", change="- before[1:-1]  -> ")
+
+    @string_step.mistake("wrong-constant", "the ends move")
+    def ends_follow_their_neighbours(u, before, r):
+        new = string_step(u, before, r)
+        new[0] = new[-1] = u[1]
+        return new
+
+    @string_step.mistake("wrong-index", "the ends move: np.roll makes each the neighbour of the other")
+    def ring(u, before, r):
+        return 2 * u - before + r**2 * (np.roll(u, 1) - 2 * u + np.roll(u, -1))
+
+    @string_step.mistake(
+        "wrong-variable", "the left neighbour is already moved: write the new displacements to another array"
+    )
+    def updated_in_place(u, before, r):
+        new = u.copy()
+        for j in range(1, len(u) - 1):
+            new[j] = 2 * new[j] - before[j] + r**2 * (new[j + 1] - 2 * new[j] + new[j - 1])
+        return new
 
 
-ring = "2 * u - before + r**2 * (np.roll(u, 1) - 2 * u + np.roll(u, -1))"
-wrong = [
-    mistake("r**2", "r", "wrong-power", "r stands in place of r²"),
-    mistake("- before[1:-1] ", "", "missing-term", "the displacement before u is missing"),
-    mistake(
-        "np.zeros(len(u))", "u + 0 * before\n    new[0] = new[-1] = u[1]", "wrong-constant", "the ends move"
-    ),
-    mistake(
-        "return new",
-        f"return {ring}",
-        "wrong-index",
-        "the ends move: np.roll makes each the neighbour of the other",
-    ),
-]
-ask = {"u": string, "before": string, "r": courant}
-step = values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong)
-call = ragged("string_step(np.pad(u[1:n], 1), np.pad(before[1:n], 1), r)")
-other = other_inputs(step, call, "for other sizes", before=normal(200), **strings)
-notebook.exercise("3", "A step of the string", step, other)
+@notebook.draw
+def plucked_string(draw):
+    """A string of 20 intervals that is released at rest; with r up to 1 its 60 steps stay bounded."""
+    return {"u": np.pad(draw(array_of(19, normal)), 1), "r": draw(between(0.3, 1)), "n": 60}
 
 
-def vibrate(u, r, n):
-    rows = [u, u + (string_step(u, u, r) - u) / 2]
-    for _ in range(n - 1):
-        rows.append(string_step(rows[-1], rows[-2], r))
-    return np.array(rows)
+@notebook.exercise("4")
+def a_plucked_string(ask):
+    """The displacements after 0, 1, … n steps of a string that is released at rest."""
+    vibrate = ask.function("vibrate")
+    vibrate.case("", plucked_string)
 
+    def of_other_sizes(vibrate, u, r, N):
+        """Three steps of strings of 2, N and 203 - N intervals, and as many steps less one of a string of 7
+        intervals, with zeros beyond them. Longer runs would grow without bound if r > 1.
+        """
+        found = []
+        for n in (2, N, 203 - N):
+            few_steps = vibrate(np.pad(u[1:n], 1), r, 3)
+            many_steps = vibrate(np.pad(u[1:7], 1), min(r, 1), n - 1)
+            found += [
+                *np.pad(few_steps, ((0, 0), (0, 200 - n))).ravel(),
+                *np.pad(many_steps, ((0, 200 - n), (0, 0))).ravel(),
+            ]
+        return found
 
-def by_cosines(u, r, n):
-    N = len(u) - 1
-    return shape(amplitudes(u) * np.cos(2 * np.outer(np.arange(n + 1), np.arcsin(r * sines(N) + 0j))).real, N)
+    vibrate.case("other sizes", string_up_to_200, call=of_other_sizes)
 
+    @vibrate.truth(
+        agree=relative(
+            1e-11,
+            because="a thousand times the rounding errors of 60 steps, ten times those of 200",
+        )
+    )
+    def by_cosines(u, r, n):
+        """Mode m has the amplitude b cos(kθ) after k steps, with sin(θ/2) = r sin(mπ/2N): this solves the
+        step, and is the same for k and -k. If r sin(mπ/2N) > 1, θ is complex and the mode grows.
+        """
+        N = len(u) - 1
+        theta = 2 * np.arcsin(r * half_sines(N) + 0j)
+        return sum_of_modes((amplitudes(u) * np.cos(np.outer(np.arange(n + 1), theta))).real, N)
 
-wrong = [
-    mistake(
-        "(string_step(u, u, r) - u) / 2",
-        "(string_step(u, u, r) - u)",
+    vibrate.mistake(
         "constant-factor",
         "the first step is twice as large",
-    ),
-    mistake("u + (string_step(u, u, r) - u) / 2", "u", "wrong-start", "the first two rows are equal"),
-    mistake(
-        "rows[-1], rows[-2]", "rows[-2], rows[-1]", "swapped-arguments", "the two last rows are exchanged"
-    ),
-]
-ask = {"u": string, "r": uniform(0.3, 1), "n": 60}
-LONG = Tolerance(
-    limit=1e-11, reason="a thousand times the rounding errors of 60 steps, ten times those of 200"
-)
-run = values(vibrate, ask, LONG, truth=by_cosines, uses=[string_step], mistakes=wrong)
-call = ragged("np.append(vibrate(np.pad(u[1:n], 1), r, 3), vibrate(np.pad(u[1:7], 1), min(r, 1), n - 1))")
-other = other_inputs(run, call, "for other sizes", **strings)
-notebook.exercise("4", "A plucked string", run, other)
-
-
-def stability_limit(step, N):
-    def grows(r):
-        pairs = np.eye(2 * N - 2).reshape(-1, 2, N - 1)
-        columns = [np.concatenate([step(np.pad(u, 1), np.pad(before, 1), r)[1:-1], u]) for u, before in pairs]
-        return np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + 1e-7
-
-    stable, unstable = 0.1, 4.0
-    while unstable - stable > 1e-7:
-        r = (stable + unstable) / 2
-        stable, unstable = (stable, r) if grows(r) else (r, unstable)
-    return stable
-
-
-def by_traces(N, p):
-    """Take 2 - r² z + g (r²/L² - 1) and -1 - g (r²/L² - 1), the trace and minus the determinant of a mode's
-    step.
-
-    They make |λ| > 1 for r > L if g = 1, and where r² z > 4 + 2g (r²/L² - 1).
-    """
-    q, c, g, L = p
-    z = 4 * sines(N) ** 2
-    return min(
-        [L if g else inf, *(sqrt((4 - 2 * g) / x) for x in c**2 * z * (1 - q * z) - 2 * g / L**2 if x > 0)]
+        change="(string_step(u, u, r) - u) / 2 -> (string_step(u, u, r) - u)",
+    )
+    vibrate.mistake(
+        "wrong-start",
+        "the first two rows are equal",
+        change="u + (string_step(u, u, r) - u) / 2 -> u",
+    )
+    vibrate.mistake(
+        "swapped-arguments",
+        "the two last rows are exchanged",
+        change="rows[-1], rows[-2] -> rows[-2], rows[-1]",
     )
 
 
-def scheme(rng):
-    """Return q, c, g, L of a step with a limit from 0.1 to 4. For q > 1/8 the zigzag is not the first to
-    grow; g = 1: complex λ.
+# Exercise 5: steps that are made for a limit
+
+
+def second_difference(u):
+    """Return the differences u_(j+1) - 2 u_j + u_(j-1), which are 0 at both ends."""
+    found = np.zeros(len(u))
+    found[1:-1] = u[2:] - 2 * u[1:-1] + u[:-2]
+    return found
+
+
+def step_of_any_string(u, before, r, q, c, damped, L):
+    """A step in which waves move c r intervals, and points two intervals away have the weight q. With damping
+    the last change, u - before, counts (r/L)² times.
     """
-    q = rng.choice([rng.uniform(-0.2, 0.1), rng.uniform(0.18, 0.24)])
-    return np.array(
-        [
-            q,
-            sqrt(2 / (1 - 2 * q)) / rng.uniform(0.25, 3.9),
-            rng.integers(2),
-            with_ends(0.11, 3.9, log=True)(rng),
-        ]
+    kept = (r / L) ** 2 if damped else 1.0
+    pull = second_difference(u + q * second_difference(u))
+    return u + kept * (u - before) + (c * r) ** 2 * pull
+
+
+zigzag_first, longer_wave_first = between(-0.2, 0.1), between(0.18, 0.24)
+
+
+def largest_factor(N, q):
+    """Return the largest z (1 - qz) of all modes, with z = 4 sin²(mπ/2N).
+
+    A step of mode m has the eigenvalues λ² - (1 + kept - x) λ + kept = 0 with x = (c r)² z (1 - qz). For
+    kept <= 1 the first |λ| passes 1 where λ = -1: where the largest x is 2 + 2 kept. For q < 1/8 that is the
+    x of the zigzag, m = N - 1, for larger q that of a longer wave.
+    """
+    z = 4 * half_sines(N) ** 2
+    return (z * (1 - q * z)).max()
+
+
+def string_with_limit(limit, size, weight):
+    """Return the draw of a step without damping: at its limit r the largest x is 4."""
+
+    @notebook.draw
+    def undamped_string(draw):
+        N, q, r = draw(size), draw(weight), draw(limit)
+        c = 2 / r / sqrt(largest_factor(N, q))
+        return {"N": N, "q": q, "c": c, "damped": False, "L": 1.0}
+
+    return undamped_string
+
+
+@notebook.draw
+def damped_string(draw):
+    """A step with damping up to r = L, and its limit below: there the largest x is 2 + 2 (r/L)²."""
+    N, q, r = draw(integer(4, 7)), draw(longer_wave_first), draw(between(0.3, 3))
+    L = r * draw(between(1.1, 3))
+    c = sqrt((2 + 2 * (r / L) ** 2) / largest_factor(N, q)) / r
+    return {"N": N, "q": q, "c": c, "damped": True, "L": L}
+
+
+@notebook.draw
+def string_with_complex_eigenvalues(draw):
+    """A step with damping up to its limit r = L, where no x is 4 yet: beyond it the product of the two
+    eigenvalues of each mode, kept, is above 1.
+    """
+    N, q, L = draw(integer(3, 6)), draw(longer_wave_first), draw(between(0.15, 3.9))
+    c = draw(between(0.3, 0.9)) * 2 / L / sqrt(largest_factor(N, q))
+    return {"N": N, "q": q, "c": c, "damped": True, "L": L}
+
+
+@notebook.exercise("5")
+def stability(ask):
+    """The largest r between 0.1 and 4 with which no mode grows, of any linear step, to 1e-6."""
+    strings = in_turn(
+        string_with_limit(between(0.3, 3.9), one_of(2), zigzag_first),
+        string_with_limit(between(0.11, 0.2), integer(3, 5), zigzag_first),
+        # here a scan in steps of 0.0025 takes more than the 20 000 calls of step
+        string_with_limit(between(3, 3.9), one_of(10), longer_wave_first),
+        string_with_limit(between(0.3, 3), integer(4, 8), longer_wave_first),
+        damped_string,
+        string_with_complex_eigenvalues,
+    )
+    stability_limit = ask.function("stability_limit", budget_s=20)
+    stability_limit.case(
+        "any step",
+        strings,
+        public=6,
+        hidden=8,
+        step=function(
+            step_of_any_string,
+            q=strings["q"],
+            c=strings["c"],
+            damped=strings["damped"],
+            L=strings["L"],
+        ),
     )
 
+    @stability_limit.truth(agree=absolute(2e-6, because="twice the precision that is asked for"))
+    def where_the_first_mode_grows(N, q, c, damped, L):
+        """The largest x is 2 + 2 kept, or kept is 1: see ``largest_factor``."""
+        x = c**2 * largest_factor(N, q)  # for r = 1; it grows as r²
+        if not damped:
+            return 2 / sqrt(x)
+        return min(L, sqrt(2 / (x - 2 / L**2))) if x > 2 / L**2 else L
 
-text = "2 * u - before + (r * p[1]) ** 2 * np.pad(np.diff(u + p[0] * np.pad(np.diff(u, 2), 1), 2), 1)"
-text += " + p[2] * ((r / p[3]) ** 2 - 1) * (u - before)"
-ask = {
-    "step": family(text, "u", "before", "r", p=scheme),
-    "N": lambda rng: rng.choice([2, *rng.integers(3, 11, 4)]),
-}
-wrong = [
-    mistake("> 1 + 1e-7", "> 1.1", "wrong-constant", "a growth of a tenth in each step counts as stable"),
-    mistake("1), r)", "1), r**2)", "wrong-power", "step is called with r² in place of r"),
-    mistake("[1:-1], u]", "[1:-1], before]"),
-    mistake(
-        "    return stable",
-        "    return 1.0",
+    stability_limit.mistake(
+        "wrong-constant",
+        "a growth of a tenth in each step counts as stable",
+        change="> 1 + 1e-7 -> > 1.1",
+    )
+    stability_limit.mistake(
+        "missing-term",
+        "rounding errors count as growth: the margin of 1e-7 is missing",
+        change="> 1 + 1e-7 -> > 1",
+    )
+    stability_limit.mistake(
+        "precision-loss",
+        "the search ends when the interval is 1e-5 long",
+        change="unstable - stable > 1e-7 -> unstable - stable > 1e-5",
+    )
+    stability_limit.mistake(
+        "wrong-power", "step is called with r² in place of r", change="1), r) -> 1), r**2)"
+    )
+    stability_limit.mistake(change="[1:-1], u] -> [1:-1], before]")
+    stability_limit.mistake(
         "wrong-constant",
         "this is the limit of string_step on a fine grid",
-    ),
-]
-near = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
-limit = values(stability_limit, ask, near, truth=by_traces, rows=(3, 8), mistakes=wrong)
-notebook.exercise("5", "The limit of Courant, Friedrichs and Lewy", limit)
+        change="return stable -> return 1.0",
+    )
+
+    @stability_limit.mistake("wrong-constant", "B is taken as -1, as for string_step")
+    def minus_one(step, N):
+        return stability_limit(lambda u, before, r: step(u, 0 * before, r) - before, N)
+
+    @stability_limit.mistake()
+    def scan(step, N):
+        """Search the first of 4000 values of r with which a mode grows, and then in between."""
+        unit = np.eye(2 * N - 2).reshape(-1, 2, N - 1)
+        for r in np.linspace(0.1, 4, 4000):
+            after = [step(np.pad(u, 1), np.pad(before, 1), r)[1:-1] for u, before in unit]
+            matrix = [np.concatenate([new, u]) for new, (u, _) in zip(after, unit, strict=True)]
+            if np.abs(np.linalg.eigvals(matrix)).max() > 1 + 1e-7:
+                break
+        return stability_limit(step, N)
 
 
-def modes(u):
-    odd = np.concatenate([u, -u[-2:0:-1]])
-    return -np.fft.rfft(odd).imag[1:-1] / (len(u) - 1)
+# Exercise 6: spectra by their definitions
 
 
-def by_solving(u):
-    N = len(u) - 1
-    return np.linalg.solve(shape(np.eye(N - 1), N)[:, 1:-1].T, u[1:-1])
+@notebook.draw
+def samples(draw):
+    """48 samples and their interval in s."""
+    return {"x": draw(array_of(48, normal)), "dt": draw(between(0.001, 0.1))}
 
 
-def spectrum(x, dt):
-    found = np.abs(np.fft.rfft(x)) / len(x)
-    found[1:-1] *= 2
-    return np.fft.rfftfreq(len(x), dt), found
+@notebook.draw
+def up_to_200_samples(draw):
+    """Numbers for 2, N and 203 - N samples, or one less if that is odd, and their interval in s."""
+    return {
+        "x": draw(array_of(200, normal)),
+        "dt": draw(between(0.001, 0.1)),
+        "N": draw(integer(3, 200)),
+    }
 
 
-def by_sums(x, dt):
-    n = len(x)
-    k = np.arange(n // 2 + 1)
-    angles = 2 * pi / n * np.outer(k, np.arange(n))
-    factor = np.where((k == 0) | (k == n // 2), 1, 2) / n
-    return k / (n * dt), factor * np.hypot(np.cos(angles) @ x, np.sin(angles) @ x)
+@notebook.exercise("6")
+def spectrum_and_modes(ask):
+    """The amplitudes of the modes of a shape, the spectrum of samples, and the frequencies of the grid."""
+    rounding = relative(1e-12, because="a thousand times the rounding errors of a sum over the grid")
 
+    modes = ask.function("modes")
+    modes.case("", string_of_20)
 
-def frequency_ratio(m, N, r):
-    return 2 * np.arcsin(r * np.sin(m * np.pi / (2 * N))) / (r * m * np.pi / N)
+    def of_three_strings(modes, u, N):
+        """The amplitudes of strings of 2, N and 203 - N intervals, with zeros beyond them."""
+        found = []
+        for n in (2, N, 203 - N):
+            found.append(np.pad(modes(np.pad(u[1:n], 1)), (0, 200 - n)))
+        return found
 
+    modes.case("other sizes", string_up_to_200, call=of_three_strings)
 
-def by_eigenvalue(m, N, r):
-    """Take the phase of an eigenvalue of the step of one mode."""
-    step = np.array([[2 - 4 * r**2 * sin(m * pi / 2 / N) ** 2, -1], [1, 0]], dtype=complex)
-    return np.angle(np.linalg.eigvals(step)).max() / (r * m * pi / N)
+    @modes.truth(agree=rounding)
+    def by_solving(u):
+        """The displacements are linear in the amplitudes: solve N - 1 equations."""
+        N = len(u) - 1
+        each_mode = sum_of_modes(np.eye(N - 1), N)
+        return np.linalg.solve(each_mode[:, 1:-1].T, u[1:-1])
 
+    modes.mistake("off-by-one", "the sum is divided by N + 1", change=" / (len(u) - 1) -> / len(u)")
+    modes.mistake("sign-flipped", "the amplitudes have the opposite sign", change="-np.fft -> np.fft")
 
-wrong = [
-    mistake(" / (len(u) - 1)", " / len(u)", "off-by-one", "the sum is divided by N + 1"),
-    mistake("-np.fft", "np.fft", "sign-flipped", "the amplitudes have the opposite sign"),
-]
-amplitude = values(modes, {"u": string}, ROUNDING, truth=by_solving, mistakes=wrong)
-others = other_inputs(amplitude, ragged("modes(np.pad(u[1:n], 1))"), "for other sizes", **strings)
-wrong = [
-    mistake("found[1:-1] *= 2", "found *= 2", "constant-factor", "the ends of the spectrum are doubled too"),
-    mistake(
-        "    found[1:-1] *= 2\n", "", "missing-term", "the amplitudes of the negative frequencies are missing"
-    ),
-    mistake(
-        "found[1:-1] *= 2", "found[1:] *= 2", "off-by-one", "the amplitude of the last frequency is doubled"
-    ),
-    mistake(
-        "    found[1:-1] *= 2\n",
-        "    found[1:-1] *= 2\n    found = found**2\n",
-        "wrong-power",
-        "the amplitudes are squared",
-    ),
-    mistake("dt), found", "dt)[:-1], found[:-1]"),
-    mistake(
-        "np.fft.rfftfreq(len(x), dt)",
-        "2 * np.pi * np.fft.rfftfreq(len(x), dt)",
+    spectrum = ask.function("spectrum", returns="frequencies amplitudes")
+    spectrum.case("", samples)
+
+    def of_three_lengths(spectrum, x, dt, N):
+        """Both values for 2, N and 203 - N samples, with zeros beyond them."""
+        frequencies, amplitudes = [], []
+        for n in (2, N, 203 - N):
+            of_n = spectrum(x[: n // 2 * 2], dt)
+            frequencies.append(np.pad(of_n[0], (0, 100 - n // 2)))
+            amplitudes.append(np.pad(of_n[1], (0, 100 - n // 2)))
+        return frequencies, amplitudes
+
+    spectrum.case("other sizes", up_to_200_samples, call=of_three_lengths)
+
+    @spectrum.truth(agree=rounding)
+    def by_sums(x, dt):
+        """The sums of a cos(angle + φ) times cos and sin of the angle are a n/2 (cos φ, -sin φ), and twice as
+        much where all sines are 0: for the frequencies 0 and n/2.
+        """
+        n = len(x)
+        k = np.arange(n // 2 + 1)
+        angles = 2 * pi / n * np.outer(k, np.arange(n))
+        factor = np.where((k == 0) | (k == n // 2), 1, 2) / n
+        return k / (n * dt), factor * np.hypot(np.cos(angles) @ x, np.sin(angles) @ x)
+
+    spectrum.mistake(
+        "constant-factor",
+        "the ends of the spectrum are doubled too",
+        change="found[1:-1] *= 2 -> found *= 2",
+    )
+    spectrum.mistake(
+        "missing-term",
+        "the amplitudes of the negative frequencies are missing",
+        change="found[1:-1] *= 2 -> pass",
+    )
+    spectrum.mistake(
+        "off-by-one",
+        "the amplitude of the last frequency is doubled",
+        change="found[1:-1] *= 2 -> found[1:] *= 2",
+    )
+
+    @spectrum.mistake("wrong-power", "the amplitudes are squared")
+    def squared(x, dt):
+        frequencies, found = spectrum(x, dt)
+        return frequencies, found**2
+
+    # both arrays end before n/2
+    spectrum.mistake(change="dt), found -> dt)[:-1], found[:-1]")
+    spectrum.mistake(
         "units",
         "these are angular frequencies",
-    ),
-]
-fourier = {"frequencies": ROUNDING, "amplitudes": ROUNDING}
-ask = {"x": normal(48), "dt": uniform(0.001, 0.1)}
-whole = values(spectrum, ask, fourier, truth=by_sums, mistakes=wrong)
-call = "[np.concatenate(one) for one in zip(*[spectrum(x[: n // 2 * 2], dt) for n in (2, N, 203 - N)])]"
-samples = other_inputs(
-    whole, call, "for other sizes", x=normal(200), dt=uniform(0.001, 0.1), N=integers(3, 200)
-)
-wrong = [
-    mistake("np.arcsin", "", "wrong-function", "arcsin is missing"),
-    mistake("r * np.sin", "np.sin", "missing-term", "the time step is missing: the ratio is always 1"),
-]
-EIGEN = Tolerance(rtol=1e-7, atol=0, reason="the root of the rounding errors, where two eigenvalues meet")
-ask = {"m": integers(1, 9), "N": integers(10, 200), "r": with_ends(0.02, 1)}
-ratio = values(frequency_ratio, ask, EIGEN, truth=by_eigenvalue, mistakes=wrong)
-call = ragged("[frequency_ratio(m, n, min(r, 1)) for m in (1, n // 2, n - 1)]")
-ends = other_inputs(ratio, call, "for other sizes", r=courant, N=integers(3, 200))
-notebook.exercise("6", "Spectrum and modes", amplitude, others, whole, samples, ratio, ends)
+        change="np.fft.rfftfreq(len(x), dt) -> 2 * np.pi * np.fft.rfftfreq(len(x), dt)",
+    )
+    spectrum.mistake(
+        "sign-flipped",
+        "the last frequency is negative: fftfreq counts n/2 as -n/2, rfftfreq does not",
+        change="np.fft.rfftfreq(len(x), dt) -> np.fft.fftfreq(len(x), dt)[: len(x) // 2 + 1]",
+    )
+
+    frequency_ratio = ask.function("frequency_ratio")
+    frequency_ratio.case("", m=integer(1, 9), N=integer(10, 200), r=with_ends(0.02, 1))
+
+    def of_low_middle_and_high_modes(frequency_ratio, N, r):
+        """The ratios of modes 1, n/2 and n - 1 for n = 2, N and 203 - N intervals."""
+        return [[frequency_ratio(m, n, min(r, 1)) for m in (1, n // 2, n - 1)] for n in (2, N, 203 - N)]
+
+    frequency_ratio.case("other sizes", call=of_low_middle_and_high_modes, N=integer(3, 200), r=courant)
+
+    @frequency_ratio.truth(
+        agree=close(rtol=1e-7, atol=0, because="the root of the rounding errors, where two eigenvalues meet")
+    )
+    def by_eigenvalue(m, N, r):
+        """A step multiplies mode m, now and before, by a matrix with the eigenvalues exp(±iθ)."""
+        step = np.array([[2 - 4 * r**2 * sin(m * pi / 2 / N) ** 2, -1], [1, 0]], dtype=complex)
+        return np.angle(np.linalg.eigvals(step)).max() / (r * m * pi / N)
+
+    frequency_ratio.mistake("wrong-function", "arcsin is missing", change="np.arcsin -> ")
+    frequency_ratio.mistake(
+        "missing-term",
+        "the time step is missing: the ratio is always 1",
+        change="r * np.sin -> np.sin",
+    )

@@ -315,12 +315,20 @@ def test_every_bead_that_is_thrown_over_the_top_passes_it_in_time():
 
 def test_an_angle_reduced_to_one_turn_is_wrong():
     def reduced(**row):
-        return (assignment.hoop_motion(asked("6-1").ask["t"], **row) + np.pi) % (2 * np.pi) - np.pi
+        angles = asked("6-1").student["hoop_motion"](asked("6-1").ask["t"], **row)
+        return (angles + np.pi) % (2 * np.pi) - np.pi
 
     for row, theta in exact("6-1", 1):
         assert np.abs(reduced(**row) - theta).max() < 1e-6
     for row, theta in exact("6-2", 1):
         assert np.abs(reduced(**row) - theta).max() > 1
+
+
+def test_an_integration_of_two_seconds_ends_before_a_rest_in_public_and_in_every_grading():
+    for rows, seeds in ((3, [0]), (16, range(1, 9))):
+        for seed in seeds:
+            drawn = asked("7-1").draw(np.random.default_rng(seed), rows)
+            assert max(asked("7-1").exact(drawn)["value"]) > 2.2
 
 
 def test_the_bead_on_a_medium_hoop_comes_to_rest_far_from_the_limit_between_both_cases():

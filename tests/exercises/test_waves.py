@@ -13,6 +13,11 @@ ALL = list(author.notebook.questions())
 QUESTIONS = {question.function: question for question in reversed(ALL)}  # the first question of each function
 
 
+def exact(name):
+    """The truth of a function, of the inputs that it names."""
+    return QUESTIONS[name].truth
+
+
 def rows(name, count=20, seed=7):
     drawn = QUESTIONS[name].draw(np.random.default_rng(seed), count)
     return [{key: value[k] for key, value in drawn.items()} for k in range(count)]
@@ -30,7 +35,7 @@ def test_the_wave_numbers_are_those_of_sixty_digits(name):
                 solver="anderson",
                 tol=1e-80,
             )
-            assert author.by_iteration(row["w"], row["d"]) == pytest.approx(float(k), rel=1e-13)
+            assert author.wave_number_by_newton(row["w"], row["d"]) == pytest.approx(float(k), rel=1e-13)
             assert low * (1 - mpmath.mpf("1e-50")) <= k < high and 0 < k < 20, (
                 "the root is in the intervals that students are given"
             )
@@ -41,7 +46,7 @@ def test_the_group_velocity_is_the_derivative_of_the_dispersion_relation():
         for row in rows("group_velocity"):
             k, d, g = (mpmath.mpf(float(value)) for value in (row["k"], row["d"], 9.81))
             wanted = mpmath.diff(lambda k, d=d, g=g: mpmath.sqrt(g * k * mpmath.tanh(k * d)), k)
-            assert author.by_phase_velocity(row["k"], row["d"]) == pytest.approx(float(wanted), rel=1e-12)
+            assert exact("group_velocity")(row["k"], row["d"]) == pytest.approx(float(wanted), rel=1e-12)
 
 
 def step_matrix(N, r):
@@ -52,53 +57,61 @@ def step_matrix(N, r):
 def test_a_step_and_a_run_are_those_of_matrices():
     for row in rows("string_step", 3):
         wanted = step_matrix(20, row["r"]) @ row["u"][1:-1] - row["before"][1:-1]
-        assert author.by_modes(**row) == pytest.approx(np.pad(wanted, 1), abs=1e-13)
+        assert exact("string_step")(row["u"], row["before"], row["r"]) == pytest.approx(
+            np.pad(wanted, 1), abs=1e-13
+        )
     for row in rows("vibrate", 3):
         A = step_matrix(20, row["r"])
         inner = [row["u"][1:-1], A @ row["u"][1:-1] / 2]
         for _ in range(59):
             inner.append(A @ inner[-1] - inner[-2])
-        assert author.by_cosines(row["u"], row["r"], 60)[:, 1:-1] == pytest.approx(np.array(inner), abs=1e-12)
+        assert exact("vibrate")(row["u"], row["r"], 60)[:, 1:-1] == pytest.approx(np.array(inner), abs=1e-12)
 
 
 def test_with_r_1_the_run_is_d_alembert_s_solution():
     u = rows("vibrate", 1)[0]["u"]
     periodic = np.concatenate([u, -u[-2:0:-1]])
     wanted = [(np.roll(periodic, n) + np.roll(periodic, -n))[:21] / 2 for n in range(61)]
-    assert author.by_cosines(u, 1.0, 60) == pytest.approx(np.array(wanted), abs=1e-12)
+    assert exact("vibrate")(u, 1.0, 60) == pytest.approx(np.array(wanted), abs=1e-12)
+
+
+def limit_of(row):
+    return exact("stability_limit")(*(row[name] for name in ("N", "q", "c", "damped", "L")))
 
 
 def test_the_limit_is_that_of_the_matrix_of_the_scheme():
     limits = []
-    for row in rows("stability_limit", 30):
-        N, (q, c, g, L) = int(row["N"]), row["p"]
+    for row in rows("stability_limit", 36):
+        N, q, c = int(row["N"]), row["q"], row["c"]
         one = np.eye(N - 1)
         D = step_matrix(N, 1.0) - 2 * one
 
-        def largest(r, one=one, D=D, q=q, c=c, g=g, L=L):
-            e = g * ((r / L) ** 2 - 1)
-            A = (2 + e) * one + (r * c) ** 2 * (D + q * D @ D)
-            return np.abs(np.linalg.eigvals(np.block([[A, -(1 + e) * one], [one, 0 * one]]))).max()
+        def largest(r, one=one, D=D, q=q, c=c, row=row):
+            kept = (r / row["L"]) ** 2 if row["damped"] else 1
+            A = (1 + kept) * one + (r * c) ** 2 * (D + q * D @ D)
+            return np.abs(np.linalg.eigvals(np.block([[A, -kept * one], [one, 0 * one]]))).max()
 
-        limits.append(author.by_traces(N, row["p"]))
+        limits.append(limit_of(row))
         below = [largest(r) for r in np.linspace(0.1, limits[-1] * (1 - 1e-6), 20)]
         above = [largest(r) for r in np.linspace(limits[-1] * (1 + 1e-6), 4, 20)]
         assert max(below) < 1 + 1e-7 < min(above)
-    assert 0.1 < min(limits) < 0.5 and 2.5 < max(limits) < 4
+    assert 0.1 < min(limits) < 0.2 and 3 < max(limits) < 4
 
 
-def matrix_of(N, p, r):
+def matrix_of(row, r):
     scheme = QUESTIONS["stability_limit"].ask["step"]
-    step = expression(scheme.text, scheme.over, {"p": p})
+    step = expression(scheme.text, scheme.over, {name: row[name] for name in scheme.given})
+    N = int(row["N"])
     pairs = np.pad(np.eye(2 * N - 2).reshape(-1, 2, N - 1), ((0, 0), (0, 0), (1, 1)))
     return np.array([[*step(u, before, r)[1:-1], *u[1:-1]] for u, before in pairs]).T
 
 
-def test_the_steps_that_are_asked_grow_in_several_ways():
+@pytest.mark.parametrize("seed", range(4))
+def test_the_steps_that_are_asked_grow_in_several_ways(seed):
     shapes, phases = set(), set()
-    for row in rows("stability_limit", 40):
+    for row in rows("stability_limit", 6, seed):
         N = int(row["N"])
-        found, vectors = np.linalg.eig(matrix_of(N, row["p"], author.by_traces(N, row["p"]) * (1 + 1e-4)))
+        found, vectors = np.linalg.eig(matrix_of(row, limit_of(row) * (1 + 1e-4)))
         first = np.abs(found).argmax()
         phases.add(bool(abs(found[first].imag) > 1e-6))
         changes = int(np.sum(np.diff(np.sign(vectors[: N - 1, first].real)) != 0))
@@ -109,9 +122,9 @@ def test_the_steps_that_are_asked_grow_in_several_ways():
 def test_amplitudes_spectrum_and_frequencies_have_other_definitions_that_agree():
     u = rows("modes", 1)[0]["u"]
     sums = [2 / 20 * sum(u[j] * np.sin(m * np.pi * j / 20) for j in range(21)) for m in range(1, 20)]
-    assert author.by_solving(u) == pytest.approx(np.array(sums), abs=1e-13)
+    assert exact("modes")(u) == pytest.approx(np.array(sums), abs=1e-13)
     t = np.arange(48) * 0.25
-    frequencies, found = author.by_sums(
+    frequencies, found = exact("spectrum")(
         0.5 + 3 * np.cos(2 * np.pi * t / 3 + 1) - 2 * (-1.0) ** np.arange(48), 0.25
     )
     assert dict(zip(frequencies.round(9), found.round(12), strict=True)).items() >= {
@@ -121,7 +134,7 @@ def test_amplitudes_spectrum_and_frequencies_have_other_definitions_that_agree()
     }
     for row in rows("frequency_ratio", 5):
         eigenvalue = np.sort(np.linalg.eigvalsh(step_matrix(int(row["N"]), row["r"])))[::-1][row["m"] - 1]
-        assert author.by_eigenvalue(**row) == pytest.approx(
+        assert exact("frequency_ratio")(row["m"], row["N"], row["r"]) == pytest.approx(
             np.arccos(eigenvalue / 2) / (row["r"] * row["m"] * np.pi / row["N"]), rel=1e-9
         )
 
@@ -258,6 +271,73 @@ def test_what_is_right_for_some_inputs_only_is_refused(name, body):
         "    return 2 * np.arcsin(r * np.sin(m * np.pi / 2 / N)) / (r * m * np.pi / N)\n"
     )
     assert any(failed(judged(question, source)) for question in ALL if question.function == name)
+
+
+def seen_in_public(question, source):
+    return {id for id in failed(judged(question, source)) if "-new-" not in id}
+
+
+BISECTION = """a, b = float(a), float(b)
+    while b - a > {width} and abs(f((a + b) / 2)) > {value}:
+        m = (a + b) / 2
+        a, b = (m, b) if f(m) < 0 else (a, m)
+    return (a + b) / 2"""
+NEWTON = """x, h = (a + b) / 2, 1e-7 * (b - a)
+    while abs(f(x)) > {value}:
+        slope = (f(x + h) - f(x - h)) / (2 * h)
+        lower, upper = (x, b) if f(x) < 0 else (a, x)
+        a, b, x = lower, upper, x - f(x) / slope
+        x = x if a < x < b else (a + b) / 2
+    return x"""
+
+
+@pytest.mark.parametrize("value", ["1e-8", "1e-10", "tol"])
+@pytest.mark.parametrize("body", [BISECTION, NEWTON, SMALL_VALUE])
+def test_a_search_that_stops_where_f_is_small_is_seen_in_public(body, value):
+    source = f"def find_root(f, a, b, tol):\n    {body.format(value=value, width=0)}\n"
+    source = source.replace("< tol", f"< {value}")
+    assert "1-2-value" in seen_in_public(ALL[1], source)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-4, 1e-5, 5e-6])
+def test_a_loose_bisection_is_seen_in_public(width):
+    limit = QUESTIONS["stability_limit"]
+    loose = limit.source.replace("unstable - stable > 1e-7", f"unstable - stable > {width}")
+    assert seen_in_public(limit, loose) == {"5-value"}
+    root = BISECTION.format(value=-1, width=1e3 * width * 1e-10)
+    assert "1-1-value" not in seen_in_public(ALL[0], f"def find_root(f, a, b, tol):\n    {root}\n")
+    root = BISECTION.format(value=-1, width=width)
+    assert "1-1-value" in seen_in_public(ALL[0], f"def find_root(f, a, b, tol):\n    {root}\n")
+
+
+SCAN = """def grows(r):
+        pairs = np.eye(2 * N - 2).reshape(-1, 2, N - 1)
+        columns = [np.append(step(np.pad(u, 1), np.pad(before, 1), r)[1:-1], u) for u, before in pairs]
+        return np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + 1e-7
+    low = 0.1
+    for width in {widths}:
+        while not grows(low + width):
+            low += width
+    return low"""
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_scan_of_thousands_is_refused_whatever_is_drawn_and_one_by_digits_is_right(seed):
+    def judge(widths):
+        source = f"def stability_limit(step, N):\n    {SCAN.format(widths=widths)}\n"
+        return failed(judged(QUESTIONS["stability_limit"], source, seed))
+
+    with pytest.raises(WrongAnswer, match="it called step more than 20000 times"):
+        judge([0.001, 1e-4, 1e-5, 1e-6])
+    assert judge([0.01, 1e-3, 1e-4, 1e-5, 1e-6]) == set()
+
+
+def test_one_amplitude_is_an_array_too():
+    source = f"def modes(u):\n    {SINES.replace('return', 'b =')}\n    return b if len(b) > 1 else b[0]\n"
+    of_20, of_other_sizes = (question for question in ALL if question.function == "modes")
+    assert failed(judged(of_20, source)) == set()
+    with pytest.raises(WrongAnswer, match="shape"):
+        judged(of_other_sizes, source)
 
 
 def test_an_unguarded_secant_leaves_the_interval():

@@ -2,7 +2,6 @@
 
 import inspect
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from typing import Any
 
 from exercises.authoring.kinds import kind
@@ -58,23 +57,6 @@ def values(
             ["calls= needs a function argument: family(…)"] if calls and not has_function else []
         ),
     )
-
-
-def other_inputs(question: Question, call: str, label: str, **ask: Any) -> Question:
-    """Return a ``question`` asked again with the arguments ``ask``, which need not be those of its function.
-
-    ``call`` is an expression of the function and these arguments, such as an array of constant size that
-    contains its answer for a drawn size. Exact is its value with the truth in place of the solution.
-    ``label`` follows "NAME is right".
-    """
-    name = question.function
-    several, labelled = len(question.values) > 1, f"{name} is right {label}"
-    found = {
-        n: replace(value, label=f"{labelled}: {n}" if several else labelled)
-        for n, value in question.values.items()
-    }
-    exact = of_expression(call, name, question.truth, ask)
-    return replace(question, ask=ask, values=found, truth=exact, call=call)
 
 
 def of_expression(call: str, name: str, truth: Any, given: Iterable[str]) -> Callable[..., Any]:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exercises.authoring.assignments.assignment import Assignment, Scene, Sweep
-from exercises.authoring.draws import with_ends
 from exercises.authoring.importing.validation_cells import (
     Line,
     line_errors,
@@ -48,9 +47,7 @@ __all__ = [
     "itself",
     "line",
     "mistake",
-    "normal",
     "uniform",
-    "with_ends",
 ]
 
 
@@ -61,11 +58,6 @@ PLAYS = "\nfrom polhode.kinds import play\n"
 def uniform(low: float, high: float, *shape: int) -> Draw:
     """Return a draw of a number, or of an array of ``shape``, between ``low`` and ``high``."""
     return lambda rng: rng.uniform(low, high, shape or None)
-
-
-def normal(*shape: int) -> Draw:
-    """Return a draw of a standard normal number, or of an array of ``shape``."""
-    return lambda rng: rng.normal(size=shape or None)
 
 
 def integers(low: int, high: int, *shape: int) -> Draw:

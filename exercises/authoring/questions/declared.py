@@ -28,9 +28,7 @@ class _Short(reprlib.Repr):
 SHORT = _Short()
 SHORT.maxother = SHORT.maxstring = 90
 Draw = Callable[..., Any]
-"""A function of a random generator, and of ``row`` if it has such a parameter: the number of the input, from
-0.
-"""
+"""A function of a random generator."""
 
 
 @dataclass(frozen=True)

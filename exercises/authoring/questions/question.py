@@ -200,8 +200,7 @@ class Question:
                     joint[draw.joint] = draw.joint(rng, row)
                 found[name] = np.asarray(draw.of(joint[draw.joint]))
             else:
-                takes_row = "row" in inspect.signature(draw).parameters
-                found[name] = np.asarray(draw(rng, row=row) if takes_row else draw(rng))
+                found[name] = np.asarray(draw(rng))
         besides = {n: v for values in joint.values() for n, v in values.items() if n not in self._given}
         return found | {name: np.asarray(value) for name, value in besides.items()}
 

@@ -73,8 +73,7 @@ def _of_question(question: Question) -> Iterator[str]:
         if isinstance(family, Family) and not question.wrong:
             yield from (f"the function {argument}: {error}" for error in family_errors(family))
     yield from (
-        f"the draw of {given} takes {', '.join(others)}: it is called with a random generator, and with row="
-        " if it has that parameter"
+        f"the draw of {given} takes {', '.join(others)}: it is called with a random generator only"
         for given, draw in question.ask.items()
         if inspect.isfunction(draw) and (others := _unknown_parameters(draw))
     )
@@ -98,9 +97,9 @@ def _of_question(question: Question) -> Iterator[str]:
 
 
 def _unknown_parameters(draw: FunctionType) -> list[str]:
-    """Return the parameters of a draw that it does not get: all but the first and ``row``."""
+    """Return the parameters of a draw that it does not get: all but the first."""
     needed = [p for p in inspect.signature(draw).parameters.values() if p.default is p.empty]
-    return [p.name for p in needed[1:] if p.name != "row" and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
+    return [p.name for p in needed[1:] if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
 
 
 def family_errors(family: Family) -> Iterator[str]:

@@ -11,9 +11,18 @@ from polhode.kinds import asking
 RNG = np.random.default_rng
 
 
-def test_both_ends_are_drawn_and_nothing_beyond():
-    drawn = [draws.with_ends(1.0, 3.0)(RNG(seed)) for seed in range(200)]
-    assert {1.0, 3.0} < set(drawn) and min(drawn) == 1.0 and max(drawn) == 3.0
+@pytest.mark.parametrize(
+    ("draw", "middle"),
+    [(draws.with_ends(-2.0, 8.0), 3.0), (draws.with_ends(0.05, 32.0, log=True), np.sqrt(1.6))],
+)
+def test_an_ended_draw_has_each_end_in_a_fifth_of_cases(draw, middle):
+    rng = RNG(1)
+    drawn = np.array([draw(rng) for _ in range(4000)])
+    low, high = drawn.min(), drawn.max()
+    assert (low, high) in {(-2.0, 8.0), (0.05, 32.0)}
+    inside = drawn[(low < drawn) & (drawn < high)]
+    parts = [np.mean(drawn == low), np.mean(drawn == high), np.mean(inside < middle) * len(inside) / 4000]
+    assert parts == pytest.approx([0.2, 0.2, 0.3], abs=0.03)
 
 
 def test_an_array_has_its_shape_and_independent_numbers():

@@ -24,7 +24,8 @@ from polhode.judging.return_value import (
     wrong_value,
 )
 
-# of a function argument, unless the question allows fewer: then ten times as many as it allows
+# of a function argument, unless the question allows fewer: then ten times as many as it allows, and each call
+# counts for its places, see evaluations
 MOST_CALLS = 20_000
 LONGEST_CALL = 60  # characters of an author's expression in a sentence for students
 NAMES = """
@@ -48,16 +49,16 @@ class NotFinite(WrongAnswer):
 
 
 class Counted:
-    """A function that counts its calls, see ``evaluations``. Raises WrongAnswer at the call after ``most``.
-    Has a name, as any function.
+    """A function that counts its calls, with a ``unit`` as ``evaluations`` does. Raises WrongAnswer at the
+    call after ``most``. Has a name, as any function.
     """
 
-    def __init__(self, function: Callable[..., Any], name: str, most: int, unit: int = 1) -> None:
+    def __init__(self, function: Callable[..., Any], name: str, most: int, unit: int | None = None) -> None:
         self.function, self.__name__, self._most, self._unit, self.calls = function, name, most, unit, 0
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the function."""
-        self.calls += evaluations([*values, *named.values()], self._unit)
+        self.calls += 1 if self._unit is None else evaluations([*values, *named.values()], self._unit)
         if self.calls > self._most:
             raise WrongAnswer(None, f"it called {self.__name__} more than {self._most} times")
         return self.function(*values, **named)
@@ -99,10 +100,12 @@ def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, 
         for name, value in question["constants"].items()
     }
     values = {**given, **row}
-    most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
-    unit = unit_of(
-        values[name] for name in question["parameters"] if name in values and not callable(values[name])
-    )
+    most, unit = MOST_CALLS, None
+    if limit := question.get("calls"):
+        most = 10 * limit["limit"]
+        unit = unit_of(
+            values[name] for name in question["parameters"] if name in values and not callable(values[name])
+        )
     for name, family in question["families"].items():
         if (function := values.get(name)) is None:
             scope = {known: values.pop(known) for known in family["given"]}

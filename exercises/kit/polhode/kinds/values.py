@@ -39,7 +39,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     made = [value_check(question, value, scene, suffix) for value in question["returns"]]
     if limit := question.get("calls"):
         name = next(iter(question["families"]))
-        label = f"{question['function']} calls {name} at most {limit['limit']} times{suffix}"
+        times = "once" if limit["limit"] == 1 else f"{limit['limit']} times"
+        label = f"{question['function']} calls {name} at most {times}{suffix}"
         calls = below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit)
         made.append(replace(calls, arrays=("calls",)))
     return made

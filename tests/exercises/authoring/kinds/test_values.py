@@ -2,14 +2,12 @@
 
 import json
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from exercises.authoring.kinds.values import other_inputs, values
-from exercises.authoring.questions.author import integers, normal, uniform
-from exercises.authoring.questions.question_errors import question_errors
+from exercises.authoring.kinds.values import values
+from exercises.authoring.questions.author import integers, uniform
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.judge import RowsRight, Verdict
 from polhode.judging.outcome import Tolerance
@@ -261,7 +259,7 @@ def test_rounding_errors_are_relative_to_the_largest_number(exact):
 TYPES = """
 import numpy as np
 from exercises.authoring.questions.author import Notebook, Tolerance, choice, integers, uniform
-from exercises.authoring.kinds.values import other_inputs, values
+from exercises.authoring.kinds.values import values
 from exercises.authoring.questions.question_errors import question_errors
 notebook = Notebook("Types", setup="import numpy as np")
 def ask(number, function, given, truth, **more):
@@ -423,27 +421,3 @@ def test_a_wrong_shape_of_an_expression_is_not_said_to_be_returned(toolbox, sand
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
     sentence = "`Pendulum(l, g).period()` must be a number; it is an array of shape (2,)"
     assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()
-
-
-def squares(x):
-    return x**2, x[::-1]
-
-
-def by_products(x):
-    return [one * one for one in x], np.flip(x)
-
-
-def test_a_question_is_asked_again_for_other_inputs():
-    agree, ask = {"square": NEAR, "reversed": NEAR}, {"x": normal(9), "N": integers(2, 9)}
-    question = values(squares, {"x": normal(3)}, agree, truth=by_products)
-    larger = replace(
-        other_inputs(question, "[np.pad(one, (0, 9 - N)) for one in squares(x[:N])]", "for 2 to 9", **ask),
-        id="1",
-    )
-    assert not list(question_errors(larger))
-    assert {o.label for o in judged(larger, squares).values()} >= {"squares is right for 2 to 9: square"}
-    assert failed(judged(larger, squares)) == set()
-    assert failed(judged(larger, lambda x: (x**2, x[::-1] if len(x) == 3 else x))) == {
-        "1-reversed",
-        "1-new-reversed",
-    }

@@ -5,6 +5,7 @@ import pytest
 
 from polhode.judging.return_value import WrongAnswer, article
 from polhode.kinds.asking import (
+    MOST_CALLS,
     Counted,
     arguments,
     describe,
@@ -80,12 +81,26 @@ def test_a_call_with_many_places_at_once_counts_for_many(values, unit, calls):
 
 def test_the_places_of_one_call_have_as_many_numbers_as_the_arguments_of_the_question():
     families = {"f": {"text": "c * x", "over": ["x"], "given": ["c"]}}
-    question = {"constants": {"a": [1.0, 2.0], "h": 0.1}, "families": families, "parameters": ["f", "a", "h"]}
+    question = {
+        "constants": {"a": [1.0, 2.0], "h": 0.1},
+        "families": families,
+        "parameters": ["f", "a", "h"],
+        "calls": {"limit": 30},
+    }
     f = arguments(question, {"c": 3.0})["f"]
     f(np.zeros(2))
     assert f.calls == 1
     f(np.zeros(20))
     assert f.calls == 11
+
+
+def test_a_call_with_many_places_is_one_call_where_the_question_limits_none():
+    families = {"f": {"text": "c * x", "over": ["x"], "given": ["c"]}}
+    f = arguments({"constants": {}, "families": families, "parameters": ["f"]}, {"c": 3.0})["f"]
+    for _ in range(MOST_CALLS):
+        f(np.zeros(20))
+    with pytest.raises(WrongAnswer, match="more than 20000 times"):
+        f(1.0)
 
 
 SOURCE = """

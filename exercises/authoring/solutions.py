@@ -6,12 +6,15 @@ import ast
 import functools
 import inspect
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from exercises.authoring.questions import author_notebook
 from exercises.authoring.questions.author_notebook import Cell
 from polhode.notebook.cells import DEFINITION, Statement, statements_of
+
+CONSTANT = (ast.Assign, ast.AnnAssign)
 
 
 class NoSolution(LookupError):
@@ -30,8 +33,8 @@ class NotebookSolution:
 
     @property
     def names(self) -> Mapping[str, Any]:
-        """The global names of the notebook: those of its Setup, of given cells and of all solutions."""
-        return self.solutions.names
+        """The global names of the notebook that the solution uses, and all constants."""
+        return self.solutions.names(self.__name__)
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the solution."""
@@ -76,21 +79,35 @@ class Solutions:
             )
         return self._solution(names[0], self._code[found[0] - 1].source.strip("\n"), None)
 
-    @functools.cached_property
-    def names(self) -> Mapping[str, Any]:
-        """The global names after Setup, given constants, and the definitions of all solution cells ran."""
+    @functools.cache  # noqa: B019
+    def names(self, name: str) -> Mapping[str, Any]:
+        """Return the global names after the statements of Setup, given cells and solution cells ran that
+        assign constants, or that the solution ``name`` needs.
+
+        A package that is not installed here, such as the course's, is left out with what needs it at once.
+        """
         found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}"}
-        definitions = [
-            statement.text
-            for cell in self._code
-            if cell.is_solution(self.asked)
-            for statement in statements_of(cell.source)
-            if isinstance(statement.node, (*DEFINITION, ast.Import, ast.ImportFrom))
-        ]
-        setup = author_notebook.setup_with_constants(self.cells, self.asked)
-        for text in (setup, *definitions):
-            exec(compile(text, str(self.folder / "notebook"), "exec"), found)
+        absent, statements = set[str](), self._all_statements
+        wanted = {name, *(n for s in statements if isinstance(s.node, CONSTANT) for n in s.names.bound)}
+        while (
+            more := {n for s in statements if s.names.bound & wanted for n in s.names.now | s.names.later}
+            - wanted
+        ):
+            wanted |= more
+        for statement in (one for one in statements if one.names.bound & wanted):
+            if _is_missing(statement.node) or statement.names.now & absent:
+                absent |= statement.names.bound
+            else:
+                body = ast.Module([statement.node], [])
+                exec(compile(body, str(self.folder / "notebook"), "exec"), found)
         return found
+
+    @functools.cached_property
+    def _all_statements(self) -> list[Statement]:
+        setup = author_notebook.setup_with_constants(self.cells, self.asked)
+        solved = [s for c in self._code if c.is_solution(self.asked) for s in statements_of(c.source)]
+        kept = (*DEFINITION, ast.Import, ast.ImportFrom)
+        return [*statements_of(setup), *(one for one in solved if isinstance(one.node, kept))]
 
     @functools.cached_property
     def _code(self) -> list[Cell]:
@@ -110,6 +127,15 @@ class Solutions:
 
     def _solution(self, name: str, source: str, node: ast.AST | None) -> NotebookSolution:
         return self._found.setdefault(name, NotebookSolution(self, name, source, node))
+
+
+def _is_missing(node: ast.AST) -> bool:
+    """Return whether a statement imports a package that is not installed."""
+    if isinstance(node, ast.ImportFrom):
+        names = [node.module or ""]
+    else:
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+    return any(find_spec(name.partition(".")[0]) is None for name in names)
 
 
 def _text_of(statement: Statement) -> str:

@@ -25,7 +25,11 @@ def diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced: 
     ``reproduced`` returns those of a question by its id.
     """
     if (question := assignment.scene(scene).question) is not None:
-        return reproduced(question["id"])
+        try:
+            return reproduced(question["id"])
+        except (ArithmeticError, ValueError):  # numbers too large or small for what compares them
+            log.exception("the diagnosis of question %s failed", question["id"])
+            return []
     function, inputs, arrays = assignment.scene(scene).function, played.inputs, played.result.arrays
     same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
     try:

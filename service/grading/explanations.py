@@ -17,9 +17,9 @@ from polhode.judging.checks import Arrays
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
-from polhode.kinds.values import agreement
+from polhode.kinds.values import agreement, finite_alike, own_scale
 from service.grading.quoting import StudentCode
-from service.grading.readings import constant_factor, numbers_at, too_few_digits
+from service.grading.readings import constant_factor, extra_term, factor_in_words, numbers_at, too_few_digits
 
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
 
@@ -31,7 +31,8 @@ class Rank(IntEnum):
     READ = 1
     CHANGED = 2
     MULTIPLE = 3
-    CHANGED_TWICE = 4
+    DECLARED_MULTIPLE = 4
+    CHANGED_TWICE = 5
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def wrong_components(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -
     if not _has_exact_values(question, seen, truth):
         return []
     values = {value["name"]: value for value in question["returns"]}
-    return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth)]
+    return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth, truth)]
 
 
 def _has_exact_values(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> bool:
@@ -92,48 +93,107 @@ def causes(
     ``predicted`` are the arrays of wrong versions of the right solution. A version that also calls its
     functions as often as the submission comes before one that does not.
     """
-    exact = {v for v, arrays in predicted.items() if reproduces(question, seen, arrays)}
+    exact = {v for v, arrays in predicted.items() if reproduces(question, seen, arrays, truth)}
     if wrong and not exact:
-        exact = {v for v, arrays in predicted.items() if reproduces(question, seen, _without_calls(arrays))}
+        exact = {
+            v for v, arrays in predicted.items() if reproduces(question, seen, _without_calls(arrays), truth)
+        }
     is_right = not wrong and _has_exact_values(question, seen, truth)  # only its calls are too many
     found = {WHOLE: {_of(variant) for variant in exact if variant.declared or not is_right}}
     values = {value["name"]: value for value in question["returns"]}
     for component in wrong:
         value = values[component.name]
-        alike = {
-            _of(variant)
+        same = [
+            variant
             for variant, arrays in predicted.items()
             if component.name in arrays
-            and _agree(value, component, seen, arrays)
-            and not _agree(value, component, arrays, truth)
-        }
-        found[component] = alike
+            and _agree(value, component, seen, arrays, truth)
+            and not _agree(value, component, arrays, truth, truth)
+        ]
+        local = [v for v in same if v.declared and _is_local(question, component, predicted[v], truth)]
+        is_zero = not np.any(
+            component.of(seen[component.name])
+        )  # as by many a version that changes the others
+        alike = {_of(v) for v in local or ([] if is_zero else same)}
+        found[component] = alike or set(_multiples(value, component, seen, truth, predicted))
         if not question.get("call"):  # an author's expression is no value that the student knows
             found[component] |= set(_readings(question, component, seen, truth))
     if wrong and len(values) == 1 and not question.get("call"):
         (name,) = values
-        found[WHOLE] |= set(_readings(question, Component(name, None, ""), seen, truth))
+        whole = Component(name, None, "")
+        found[WHOLE] |= set(_readings(question, whole, seen, truth))
+        found[WHOLE] = found[WHOLE] or set(_multiples(values[name], whole, seen, truth, predicted))
     return found
+
+
+def _is_local(question: Mapping[str, Any], component: Component, arrays: Arrays, truth: Arrays) -> bool:
+    """Return whether a wrong version is right in all other components: it is the simpler explanation."""
+    values = {value["name"]: value for value in question["returns"]}
+    others = (one for one in components(question, truth) if one != component)
+    return all(
+        other.name in arrays and _agree(values[other.name], other, arrays, truth, truth) for other in others
+    )
+
+
+def _multiples(
+    value: Mapping[str, Any],
+    component: Component,
+    seen: Arrays,
+    truth: Arrays,
+    predicted: Mapping[Variant, Arrays],
+) -> Iterator[Cause]:
+    """Yield the declared mistakes that predict the numbers of a component up to a constant factor."""
+    got = component.of(seen[component.name])
+    for variant, arrays in predicted.items():
+        if not (variant.declared and variant.code and component.name in arrays):
+            continue
+        want = component.of(arrays[component.name])
+        if want.shape != got.shape or not np.all(np.isfinite(want)):
+            continue
+        scale = own_scale(value, arrays[component.name], truth)
+        unit = np.ones_like(want) if scale is None else component.of(scale)
+        if factor := constant_factor(got / unit, want / unit):
+            code, sentence = factor_in_words(factor, "that", whole=not component.label)
+            yield Cause(Rank.DECLARED_MULTIPLE, (variant.code, code), (variant.sentence, sentence), variant)
 
 
 def diagnoses(left: Mapping[Component, Collection[Cause]], student: StudentCode) -> list[Diagnosis]:
     """Return the diagnoses of all values together, else those of their components, in words that fit the
     student's code. Components with the same cause are named together.
+
+    A declared mistake of each wrong component comes before a change of the solution that explains them
+    together.
     """
-    if whole := _common(left.get(WHOLE, ()), student):
-        return [Diagnosis(code, sentence, 1.0) for code, sentence, _ in whole]
+    parts = {part: of for part, of in left.items() if part != WHOLE}
+    whole, first = _common(left.get(WHOLE, ()), student), _first_rank(left.get(WHOLE, ()))
+    if whole and not (
+        first in (Rank.CHANGED, Rank.DECLARED_MULTIPLE, Rank.CHANGED_TWICE)
+        and parts
+        and all(_is_known(of) and _common(of, student) for of in parts.values())
+    ):
+        (at,) = (part.at for part in parts) if len(parts) == 1 else (None,)
+        return [Diagnosis(code, sentence, 1.0, component=at) for code, sentence, _ in whole]
     found: dict[Found, list[Component]] = {}
-    for part, of in left.items():
-        for one in _common(of, student) if part != WHOLE else ():
+    for part, of in parts.items():
+        for one in _common(of, student):
             found.setdefault(one, []).append(part)
-    return [_diagnosis(one, parts) for one, parts in found.items()]
+    return [_diagnosis(one, alike) for one, alike in found.items()]
+
+
+def _is_known(found: Collection[Cause]) -> bool:
+    return _first_rank(found) in (Rank.DECLARED, Rank.READ)
+
+
+def _first_rank(found: Collection[Cause]) -> Rank | None:
+    return min((cause.rank for cause in found), default=None)
 
 
 def _diagnosis(found: "Found", parts: Sequence[Component]) -> Diagnosis:
     """Return the diagnosis of these components."""
     code, sentence, needs_place = found
     labels = [part.label for part in parts]
-    text = f"{_joined(labels)}: {sentence}" if needs_place and labels[0] else sentence
+    is_named = len(labels) == 1 and labels[0] in sentence
+    text = f"{_joined(labels)}: {sentence}" if needs_place and labels[0] and not is_named else sentence
     is_one_of_one_value = len(parts) == 1 and " of " not in labels[0]
     return Diagnosis(code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
 
@@ -154,7 +214,7 @@ def _common(found: Collection[Cause], student: StudentCode) -> list[Found]:
         sentence = student.sentence(code, sentences) if is_changed else _single(sentences)
         if not code or sentence is None:
             return []
-        made.append((code, sentence, is_changed))
+        made.append((code, sentence, first[0].variant is not None))
     return made
 
 
@@ -195,7 +255,8 @@ def components(question: Mapping[str, Any], seen: Arrays) -> list[Component]:
             found.append(Component(name, None, whole))
         else:
             of = f" of {name}" if several else ""
-            found += [Component(name, k, f"component {k + 1}{of}") for k in range(shape[0])]
+            own = value.get("components") or [f"component {k + 1}{of}" for k in range(shape[0])]
+            found += [Component(name, k, label) for k, label in enumerate(own)]
     return found
 
 
@@ -209,12 +270,13 @@ def _without_calls(arrays: Arrays) -> Arrays:
     return {name: array for name, array in arrays.items() if name != "calls"}
 
 
-def _agree(value: Mapping[str, Any], component: Component, got: Arrays, want: Arrays) -> bool:
+def _agree(value: Mapping[str, Any], component: Component, got: Arrays, want: Arrays, truth: Arrays) -> bool:
     one, other = component.of(got[component.name]), component.of(want[component.name])
     if one.shape != other.shape:
         return False
-    scale = np.abs(want[component.name]).max() or 1.0
-    return agreement(value, one, other, scale).verdict is Verdict.PASS
+    scale = own_scale(value, want[component.name], truth)
+    unit = (np.abs(want[component.name]).max() or 1.0) if scale is None else component.of(scale)
+    return agreement(value, *finite_alike(one, other), unit).verdict is Verdict.PASS
 
 
 def _readings(
@@ -229,20 +291,33 @@ def _readings(
         return Cause(rank, (code,), (sentence,))
 
     value = {**next(v for v in question["returns"] if v["name"] == component.name), "up_to": None}
-    scale = np.abs(truth[component.name]).max() or 1.0
+    own = own_scale(value, truth[component.name], truth)
+    unit = np.ones_like(want) if own is None else component.of(own)
+    scale = (np.abs(truth[component.name]).max() or 1.0) if own is None else unit
 
     def is_(numbers: Any) -> bool:
-        same = np.shape(numbers) == got.shape
-        return same and agreement(value, got, np.asarray(numbers, float), scale).verdict is Verdict.PASS
+        if np.shape(numbers) != got.shape:
+            return False
+        numbers = np.asarray(numbers, float)
+        within = scale if own is None else np.maximum(scale, np.abs(numbers))
+        return agreement(value, got, numbers, within).verdict is Verdict.PASS
 
     if not np.any(got):
         yield cause("returns-zero" if is_whole else "missing-component", f"{what} is zero for every input")
         return
     if is_(-want):
-        code, rank = ("sign-reversed", Rank.MULTIPLE) if is_whole else ("sign-flipped", Rank.READ)
-        yield cause(code, f"{what} has the opposite sign", rank)
-    elif factor := constant_factor(got, want):
-        yield cause("constant-factor", f"{what} is {factor:.6g} times the right value", Rank.MULTIPLE)
+        rank = Rank.MULTIPLE if is_whole else Rank.READ
+        yield cause(*factor_in_words(-1.0, what, whole=is_whole), rank)
+    elif factor := constant_factor(got / unit, want / unit):
+        yield cause(*factor_in_words(factor, what, whole=is_whole), Rank.MULTIPLE)
+    for name in (name for name in truth if name.startswith("term ") and not is_whole):
+        codes = extra_term(got, want, component.of(truth[name]), unit)
+        sentences = [
+            f"{what} has an extra term {name.removeprefix('term ')}",
+            f"{what} has the opposite sign",
+        ]
+        if codes:
+            yield Cause(Rank.READ, codes, tuple(sentences[: len(codes)]))
     if is_(np.degrees(want)):
         yield cause("units", f"{what} is in degrees: the exercise asks for radians")
     if is_(np.radians(want)):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Exercise, points
@@ -63,7 +64,8 @@ class Scene:
     The scene of a ``question`` (polhode.kinds) is played by ``play(question, student, inputs)``, and its
     inputs run along its rows in their first index.
 
-    Inputs that are ``withheld`` stay on the host: only ``truth`` gets them.
+    Inputs that are ``withheld`` stay on the host: only ``truth`` gets them. ``diagnosed(inputs)`` returns the
+    rows of a question that are enough to find a cause, by default all.
     """
 
     name: str
@@ -79,6 +81,7 @@ class Scene:
     needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
     withheld: tuple[str, ...] = ()
+    diagnosed: Callable[[Inputs], NDArray[Any]] | None = None
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ __all__ = [
 ]
 
 
-PLAYS = "\nfrom polhode.kinds import play\n"
+PLAYS = "\nfrom polhode.kinds import adopt, play\n"
 """The functions that play the scenes of questions, which are data."""
 
 
@@ -153,7 +153,7 @@ class Notebook:
         unique = len(names) == len(set(names)) > 1
         ids = [f"{number}-{name}" if unique else f"{number}-{k}" for k, name in enumerate(names, 1)]
         ids = [number] if len(names) == 1 else ids
-        identified = tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))
+        identified = tuple(replace(q, id=id, number=number) for q, id in zip(questions, ids, strict=True))
         self.sections.append(Section(number, title, identified, lines=lines))
 
     def own_exercise(self, exercise: Exercise, *hidden: Check) -> None:

@@ -92,7 +92,7 @@ def test_what_is_hidden_tells_no_inputs(files, rigid_body, sandbox):
     (hidden,) = [o for o in report.outcomes() if o.id == "2-secret"]
     assert hidden.hidden and hidden.verdict is Verdict.FAIL and hidden.tolerance.limit
     told = json.dumps(document(report))
-    assert not any(f"{x:.6g}" in told for x in [*motion.w0, *motion.I, motion.t_end])
+    assert not any(f"{x:.6g}" in told for x in [*motion.start["w"], *motion.start["I"], motion.until])
 
 
 @pytest.mark.slow

@@ -58,16 +58,17 @@ BEFORE = {
     "through gc": (
         (
             "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in"
-            " gc.get_objects() if isinstance(d, dict) and d.get('__name__') == 'plays' and 'record' in d]"
+            " gc.get_objects() if isinstance(d, dict) and d.get('__name__') == 'polhode.kinds.animation'"
+            " and 'record' in d]"
         ),
         "watch",
     ),
     "the table of calls": (
         (
-            "[d.update(animation=forged) for d in gc.get_objects() if isinstance(d, dict) and"
+            "[d.update(play=forged) for d in gc.get_objects() if isinstance(d, dict) and"
             " d.get('__name__') == 'plays']"
         ),
-        "animation",
+        "play",
     ),
 }
 

@@ -152,7 +152,7 @@ def _multiples(
             continue
         scale = own_scale(value, arrays[component.name], truth)
         unit = np.ones_like(want) if scale is None else component.of(scale)
-        if factor := constant_factor(got / unit, want / unit):
+        if factor := constant_factor(got / unit, want / unit, precisely=scale is not None):
             code, sentence = factor_in_words(factor, "that", whole=not component.label)
             yield Cause(Rank.DECLARED_MULTIPLE, (variant.code, code), (variant.sentence, sentence), variant)
 
@@ -308,7 +308,7 @@ def _readings(
     if is_(-want):
         rank = Rank.MULTIPLE if is_whole else Rank.READ
         yield cause(*factor_in_words(-1.0, what, whole=is_whole), rank)
-    elif factor := constant_factor(got / unit, want / unit):
+    elif factor := constant_factor(got / unit, want / unit, precisely=own is not None):
         yield cause(*factor_in_words(factor, what, whole=is_whole), Rank.MULTIPLE)
     for name in (name for name in truth if name.startswith("term ") and not is_whole):
         codes = extra_term(got, want, component.of(truth[name]), unit)

@@ -23,16 +23,18 @@ def numbers_at(given: NDArray[Any] | None, at: int | None) -> NDArray[Any] | Non
     return given[:, at] if given.ndim == 2 and at < given.shape[1] else None
 
 
-def constant_factor(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
+def constant_factor(got: NDArray[np.float64], want: NDArray[np.float64], *, precisely: bool = False) -> float:
     """Return the constant by which all values, at least two different ones, are multiplied; 0.0 if there is
-    none.
+    none. A factor nearly one counts only if the values are known so ``precisely``.
     """
     large = np.abs(want) > 1e-3 * np.abs(want).max()
     if not large.any() or np.ptp(want[large]) == 0:
         return 0.0
     factor = float(np.median(got[large] / want[large]))
     left = float(np.abs(got - factor * want).max() / np.abs(want).max())
-    if not left <= min(1e-9, NEARLY_ONE * abs(factor - 1)):
+    if not left <= min(1e-9, NEARLY_ONE * abs(factor - 1)) or (
+        abs(factor - 1) < NEARLY_ONE and not precisely
+    ):
         return 0.0
     return factor
 

@@ -269,7 +269,8 @@ class Notebook:
         from exercises.authoring.mutants.mistakes import made_samples
 
         notebook = folder / self.notebook if self.notebook else None
-        return made_samples(self._numbered(), notebook) if self.questions() else ()
+        made = made_samples(self._numbered(), notebook) if self.questions() else ()
+        return (one for one in made if not (folder / "samples" / one.name).is_file())
 
     def _variants(self, id: str) -> "list[Variant]":
         from exercises.authoring.mutants.mistakes import variants_of

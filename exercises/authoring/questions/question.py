@@ -93,13 +93,13 @@ class Question:
     or functions called like ``truth``. ``scale`` is called like ``truth``, and with its values by name: a
     ``limit`` is relative to what it returns for each input. With ``together`` both are called once, with the
     inputs of all rows along the first index, and so are ``terms``, which a wrong answer may have in addition,
-    by their description. ``role`` is "optional" if the exercise can be done without the
-    function, "prerequisite" if it is another exercise's. ``data`` holds what the checks of the kind need, as
-    JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
-    ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
-    scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of the
-    assignment's questions of this kind that have one, in order. ``wrong`` are the errors of arguments of a
-    wrong type, by their names.
+    by their description. ``role`` is "optional" if the exercise can be done without the function,
+    "prerequisite" if it is another exercise's. ``data`` holds what the checks of the kind need, as JSON;
+    ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of ``solution``, a
+    cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further
+    public scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of
+    the assignment's questions of this kind that have one, in order. ``wrong`` are the errors of arguments of
+    a wrong type, by their names.
     """
 
     kind: str

@@ -19,6 +19,7 @@ from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Exercise
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, exercise
+from polhode.kinds.values import compared
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
 """Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes.
@@ -75,7 +76,8 @@ class PublicAssignment:
         """
         found = self.scenes[scene]
         if found.question is not None:
-            return diagnose(found.question, seen, found.truth) or []
+            known = diagnose(found.question, seen, found.truth)
+            return compared(found.question, seen, found.truth) if known is None else known
         return self.diagnose_own(scene, found.inputs, seen, found.truth) if self.diagnose_own else []
 
     def variables(self) -> set[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check, Locate, below
 from polhode.judging.judge import Judgement, RowsRight, Verdict
-from polhode.judging.outcome import Tolerance
+from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import Kept
 from polhode.kinds.alignment import aligned
 from polhode.kinds.asking import Counted, NotFinite, arguments, call, describe, each, returned
@@ -107,6 +107,33 @@ def credited(
         alone[k] = got[k]
         right += compared(alone).verdict is Verdict.PASS
     return replace(whole, partial=RowsRight(right, len(want)))
+
+
+def compared(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
+    """Return the causes that follow from comparing an answer with the exact one: zeros, and opposite signs of
+    all or of some numbers. The server reports more.
+    """
+    name, (value, *others) = question["function"], question["returns"]
+    got, want = np.asarray(seen[value["name"]]), np.asarray(truth[value["name"]])
+    if others or not value.get("scaled") or got.ndim != 2 or got.shape != want.shape:
+        return []
+    scale = truth[f"{value['name']}_scale"]
+
+    def same(one: Any, other: Any, unit: Any) -> bool:
+        return agreement(value, one, other, unit).verdict is Verdict.PASS
+
+    if not np.all(np.isfinite(got)) or same(got, want, scale):
+        return []
+    if not got.any():
+        return [Diagnosis("returns-zero", f"{name} is zero for every input", 1.0)]
+    if same(got, -want, scale):
+        return [Diagnosis("sign-reversed", f"{name} has the opposite sign", 1.0)]
+    labels = value.get("components") or [f"component {k + 1}" for k in range(got.shape[1])]
+    return [
+        Diagnosis("sign-flipped", f"{label} of {name} has the opposite sign", 1.0, component=k)
+        for k, label in enumerate(labels)
+        if not same(got[:, k], want[:, k], scale[:, k]) and same(got[:, k], -want[:, k], scale[:, k])
+    ]
 
 
 def own_scale(value: Mapping[str, Any], want: Any, truth: Arrays) -> Any:

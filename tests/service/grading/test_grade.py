@@ -129,7 +129,7 @@ def test_the_total_has_the_points_of_exercises_that_were_not_attempted(files, ri
 
 GOLDEN = """\
 Fix this first:
-1. euler_eqs returns zeros for all arguments
+1. euler_eqs is zero for every input
      likely returns-zero: 3 checks in exercise 2
 
 Exercise 2. Euler's equations

@@ -57,7 +57,7 @@ def be_workers(recorded: Path, seconds: Callable[[Submission, int], float]) -> N
         raise SweepFailed("a stand-in measures nothing")
 
     async def start(worker: Worker) -> bool:
-        sandbox = types.SimpleNamespace(cancelled=cancelled, replaced=0, close=lambda: None)
+        sandbox = types.SimpleNamespace(cancelled=cancelled, replaced=0, waited_s=0.0, close=lambda: None)
         worker._grader = types.SimpleNamespace(  # type: ignore[assignment]
             grade_and_pack=grade_and_pack,
             sweep_and_draw=sweep_and_draw,

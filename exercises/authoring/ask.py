@@ -28,7 +28,9 @@ class Ask:
     """Asks for solutions of the notebook, each by its name. ``partial`` gives the points of a ✗ in part.
 
     Every method takes ``inputs``, a joint draw for the parameters; other inputs are those of cases. ``share``
-    is the question's share of the exercise's points.
+    is the question's share of the exercise's points. ``label`` stands for "NAME is right" in the labels of
+    checks, or for NAME in those of random output. ``mistakes_of`` is an earlier question about the same
+    solution, whose mistakes are mistakes of this one too.
     """
 
     def __init__(
@@ -43,10 +45,12 @@ class Ask:
         name: str,
         inputs: JointDraw | None = None,
         *,
-        returns: str = "",
+        returns: str | Sequence[str] = "",
         keys: bool = False,
         calls: Tolerance | None = None,
         optional: bool = False,
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
         budget_s: float = 5.0,
     ) -> Asked:
@@ -60,11 +64,13 @@ class Ask:
             values,
             name,
             inputs,
-            tuple(returns.split()),
+            _names(returns),
             share,
             calls=calls,
             keys=keys,
             budget_s=budget_s,
+            label=label,
+            alike=mistakes_of,
         )
         asked.role = "optional" if optional else None
         return asked
@@ -165,7 +171,7 @@ class Ask:
         name: str,
         inputs: JointDraw | None = None,
         *,
-        state: str,
+        state: str | Sequence[str],
         order: tuple[float, Tolerance] | None = None,
         stable_to: tuple[float, Tolerance] | None = None,
         calls: Tolerance | None = None,
@@ -182,7 +188,7 @@ class Ask:
         largest step for which the ``test`` problem does not grow. ``chart`` adds the step to the chart of
         speed against accuracy: the time that a motion takes. Numbers come with their tolerance.
         """
-        states = tuple(state.split())
+        states = _names(state)
         return self._asked(
             stepper,
             name,
@@ -208,6 +214,8 @@ class Ask:
         *,
         parameters: Mapping[str, Function | float] | None = None,
         repetitions: int = 20,
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
         budget_s: float = 20.0,
     ) -> Asked:
@@ -224,6 +232,8 @@ class Ask:
             repetitions=repetitions,
             budget_s=budget_s,
             **(parameters or {}),
+            label=label,
+            alike=mistakes_of,
         )
 
     def estimate(
@@ -236,6 +246,8 @@ class Ask:
         mean_error: Tolerance | None = None,
         bias: Tolerance | None = None,
         repetitions: int = 400,
+        label: str | None = None,
+        mistakes_of: Asked | None = None,
         share: float = 1.0,
         budget_s: float = 20.0,
     ) -> Asked:
@@ -256,6 +268,8 @@ class Ask:
             bias=bias,
             repetitions=repetitions,
             budget_s=budget_s,
+            label=label,
+            alike=mistakes_of,
         )
 
     def fit(
@@ -291,7 +305,12 @@ class Ask:
         )
 
     def symbolic(
-        self, name: str, inputs: JointDraw | None = None, *, returns: str = "", share: float = 1.0
+        self,
+        name: str,
+        inputs: JointDraw | None = None,
+        *,
+        returns: str | Sequence[str] = "",
+        share: float = 1.0,
     ) -> Asked:
         """Ask for a sympy expression, or a matrix or tuple of them, that a function returns.
 
@@ -302,7 +321,7 @@ class Ask:
             expression,
             name,
             inputs,
-            tuple(returns.split()),
+            _names(returns),
             share,
         )
 
@@ -311,7 +330,7 @@ class Ask:
         name: str,
         inputs: JointDraw | None = None,
         *,
-        follows: str,
+        follows: str | Sequence[str],
         agree: Tolerance,
         time: str = "t",
         share: float = 1.0,
@@ -325,7 +344,7 @@ class Ask:
             inputs,
             None,
             share,
-            follow=follows.split(),
+            follow=list(_names(follows)),
             agree=agree,
             time=time,
         )
@@ -370,15 +389,15 @@ class Ask:
         asked.case("", **given)
         return asked
 
-    def cell(self, variables: str, *, given: str = "", share: float = 1.0) -> AskedCell:
+    def cell(
+        self, variables: str | Sequence[str], *, given: str | Sequence[str] = "", share: float = 1.0
+    ) -> AskedCell:
         """Ask for variables that a solution cell assigns. ``given`` are constants of the notebook that the
         truths take.
         """
         line = sys._getframe(1).f_lineno
-        names = tuple(variables.split())
-        asked = AskedCell(
-            self._found(self._solutions.cell, names, line), line, share, names, tuple(given.split())
-        )
+        names = _names(variables)
+        asked = AskedCell(self._found(self._solutions.cell, names, line), line, share, names, _names(given))
         self.asked.append(asked)
         return asked
 
@@ -389,6 +408,9 @@ class Ask:
         inputs: JointDraw | None,
         returned: tuple[str, ...] | None,
         share: float,
+        *,
+        label: str | None = None,
+        alike: Asked | None = None,
         **options: Any,
     ) -> Asked:
         """Return a new question of a ``kind`` about the solution ``name``, asked two frames above.
@@ -398,7 +420,7 @@ class Ask:
         """
         line = sys._getframe(2).f_lineno
         solution = self._found(self._solutions.function, name, line)
-        asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial)
+        asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial, label, alike)
         self.asked.append(asked)
         return asked
 
@@ -407,3 +429,8 @@ class Ask:
             return find(name)
         except NoSolution as error:
             raise DeclarationError(str(error), line) from None
+
+
+def _names(given: str | Sequence[str]) -> tuple[str, ...]:
+    """Return the names in a text such as "a e omega", or in a sequence."""
+    return tuple(given.split()) if isinstance(given, str) else tuple(given)

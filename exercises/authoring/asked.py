@@ -19,7 +19,7 @@ from exercises.authoring.kinds.values import of_expression
 from exercises.authoring.questions.declared import Itself, Mistake, Value
 from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 from exercises.authoring.solutions import NotebookSolution
-from exercises.authoring.written_mistakes import WrittenMistake
+from exercises.authoring.written_mistakes import WrittenMistake, source_of
 from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]
@@ -29,9 +29,10 @@ Function = Callable[..., Any]
 class Case:
     """Inputs that a solution is asked with; ``name`` follows "is right for" in the label of its checks.
 
-    ``call`` is an expression to evaluate instead of calling the solution with its parameters. ``rows`` are
-    the numbers of public and of hidden inputs, by default those of the question's kind. ``agree`` replaces
-    the tolerance of a single value.
+    ``call`` is an expression to evaluate instead of calling the solution with its parameters, or the source
+    of a function of the solution and of the inputs ``taken``. ``rows`` are the numbers of public and of
+    hidden inputs, by default those of the question's kind. ``agree`` replaces the tolerance of a single
+    value.
     """
 
     name: str
@@ -41,17 +42,26 @@ class Case:
     call: str | None = None
     rows: tuple[int, int] | None = None
     agree: Tolerance | Value | None = None
+    taken: Sequence[str] | None = None
 
     def inputs(self, parameters: Sequence[str], defaults: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs by parameter, in order: those given by name, ``defaults``, others from the joint
         draw.
         """
-        if self.call is not None and self.given:
+        if self.call is not None and self.given and self.taken is None:
             return dict(self.given)
+        parameters = parameters if self.taken is None else self.taken
         joint = {name: self.joint[name] for name in self.joint.names} if self.joint else {}
         drawn = {name: draw for name, draw in joint.items() if name in parameters}
         found = {**defaults, **drawn, **self.given}
         return {name: found[name] for name in [*parameters, *found] if name in found}
+
+    def observed_by(self, function: FunctionType, solution: str) -> "Case":
+        """Return the case in which a ``function`` of the solution and of inputs is called instead."""
+        _, *taken = inspect.signature(function).parameters
+        given = ", ".join([solution, *taken])
+        call = f"def observed({given}):\n    return {function.__name__}({given})"
+        return replace(self, call=f"{source_of(function)}\n{call}", taken=taken)
 
 
 class DeclarationError(ValueError):
@@ -137,7 +147,9 @@ class Asked(AskedSolution):
 
     ``kind`` is a function of ``exercises.authoring.kinds``, called with these ``options`` for each case.
     ``values`` are the names of what the solution returns: none for a single value, None if the question
-    compares no values. ``defaults`` are inputs that cases need not give.
+    compares no values. ``defaults`` are inputs that cases need not give. ``label`` stands for "NAME is right"
+    in the labels of checks, or for NAME in those of random output. ``alike`` is an earlier question about the
+    same solution, whose mistakes are mistakes of this one too.
     """
 
     kind: Callable[..., Question]
@@ -145,6 +157,8 @@ class Asked(AskedSolution):
     joint: JointDraw | None
     values: tuple[str, ...] | None
     partial: bool
+    label: str | None = None
+    alike: "Asked | None" = None
     cases: list[Case] = field(default_factory=list, kw_only=True)
     tolerances: dict[str, Tolerance | Value] = field(default_factory=dict, kw_only=True)
     exact: Function | Itself | None = field(default=None, kw_only=True)
@@ -155,13 +169,14 @@ class Asked(AskedSolution):
     closed_form: Function | None = field(default=None, kw_only=True)
     derivatives: Function | None = field(default=None, kw_only=True)
     defaults: dict[str, Any] = field(default_factory=dict, kw_only=True)
+    observation: Any = field(default=None, kw_only=True)
 
     def case(
         self,
         name: str,
         inputs: JointDraw | None = None,
         *,
-        call: str | None = None,
+        call: str | FunctionType | None = None,
         public: int | None = None,
         hidden: int | None = None,
         agree: Tolerance | Value | None = None,
@@ -170,15 +185,24 @@ class Asked(AskedSolution):
         """Add a case: the inputs by parameter, or those of a joint draw.
 
         ``call`` is an expression to evaluate instead, such as ``"Pendulum(l, g).period()"``; then the inputs
-        are its names, all that are drawn by default. ``public`` and ``hidden`` are the numbers of inputs, by
-        default those of the question's kind; a draw that yields all inputs is for a hidden scene alone.
-        ``agree`` is the tolerance of this case.
+        are its names, all that are drawn by default. It may be a function that takes the solution first, and
+        inputs by name. Exact is what either returns with the truth in place of the solution. ``public`` and
+        ``hidden`` are the numbers of inputs, by default those of the question's kind; a draw that yields all
+        inputs is for a hidden scene alone. ``agree`` is the tolerance of this case.
         """
         joint, rows = inputs or self.joint, None
         if (public, hidden) != (None, None):
             rows = (PUBLIC_ROWS if public is None else public, HIDDEN_ROWS if hidden is None else hidden)
         line = sys._getframe(1).f_lineno
-        self.cases.append(Case(name, line, joint, given, call, rows, agree))
+        case = Case(name, line, joint, given, None if callable(call) else call, rows, agree)
+        self.cases.append(case.observed_by(call, self.solution_name) if callable(call) else case)
+
+    def observe(self, function: FunctionType) -> FunctionType:
+        """Decorate a function that takes the solution first, and inputs by name. What it returns is compared
+        with the truth, in place of what the solution returns.
+        """
+        self.observation = function
+        return function
 
     def truth(
         self,
@@ -251,10 +275,14 @@ class Asked(AskedSolution):
 
     def _question(self, case: Case, uses: Sequence[NotebookSolution], several: bool) -> Question:
         parameters = list(inspect.signature(self.solution).parameters)
-        label = f"{self.solution_name} is right" + (f" for {case.name}" if several else "")
+        label = self.label or f"{self.solution_name} is right"
+        label += f" for {case.name}" if several and case.name else ""
         truth = self.exact
-        if case.call is not None and callable(truth):
-            truth = of_expression(case.call, self.solution_name, truth, case.inputs(parameters, {}))
+        if self.observation is not None:
+            case = case.observed_by(self.observation, self.solution_name)
+        elif case.call is not None and callable(truth):
+            asked = case.inputs(parameters, self.defaults)
+            truth = of_expression(case.call, self.solution_name, truth, asked)
         offered: dict[str, Any] = {
             "ask": case.inputs(parameters, self.defaults),
             "agree": self._agreement(label, case.agree),
@@ -265,7 +293,8 @@ class Asked(AskedSolution):
             "call": case.call,
         }
         if self.values is None:
-            offered["label"] = " for ".join(filter(None, (self.solution_name, case.name)))
+            name = case.name if several or not self.label else None
+            offered["label"] = " for ".join(filter(None, (self.label or self.solution_name, name)))
         if case.joint is not None and case.joint.count is not None:
             offered["rows"] = (0, case.joint.count)
         elif case.rows is not None:
@@ -276,7 +305,7 @@ class Asked(AskedSolution):
         return replace(
             question,
             data={**question.data, **(self.drawn_by if [case] == self.cases[:1] else {})},
-            mistakes=tuple(self.mistakes),
+            mistakes=(*(self.alike.mistakes if self.alike else ()), *self.mistakes),
             line=case.line,
             scale=self.unit,
             together=self.together,

@@ -29,13 +29,18 @@ class AskedCell(AskedSolution):
     tolerances: dict[str, Tolerance | Value] = field(default_factory=dict, kw_only=True)
     claims: list[Claim] = field(default_factory=list, kw_only=True)
 
-    def truth(self, name: str, value: Any = None, *, agree: Tolerance | Value) -> Any:
+    def truth(self, name: str, value: Any = None, *, agree: Tolerance | Value | None = None) -> Any:
         """Set the exact ``value`` of a variable, or decorate the function of the given constants that
-        computes it.
+        computes it. ``agree`` is its tolerance.
         """
-        if name not in self.names:
-            message = f"the cell is asked for {', '.join(self.names)}, not {name}"
-            self._error(message, sys._getframe(1).f_lineno)
+        line = sys._getframe(1).f_lineno
+        if name not in self.names or agree is None:
+            each = f'@cell.truth("{self.names[0]}", agree=…)'
+            raise DeclarationError(
+                f"each variable of a cell has its own truth and tolerance: write {each} for one of"
+                f" {', '.join(self.names)}",
+                line,
+            )
         self.tolerances[name] = agree
 
         def decorate(function: Function) -> Function:

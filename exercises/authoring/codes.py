@@ -69,6 +69,7 @@ CODES = frozenset(
         "wrong-proportions",
         "wrong-quantity",
         "wrong-shape",
+        "wrong-start",
         "wrong-times",
         "wrong-variable",
     }

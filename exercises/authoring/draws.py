@@ -6,14 +6,17 @@ them.
 """
 
 import functools
+import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 
-from exercises.authoring.questions.declared import Draw, Family, Value
+from exercises.authoring.questions.declared import SHORT, Draw, Family, Value
+from exercises.authoring.written_mistakes import source_of
 from polhode.judging.outcome import Tolerance
 
 
@@ -86,6 +89,17 @@ def expression(text: str, *, of: str, **given: Any) -> Family:
     return Family(text, tuple(of.split()), given)
 
 
+def function(defined: FunctionType, **given: Any) -> Family:
+    """Return a function argument: the function ``defined`` in the author's file, of those of its parameters
+    that are not ``given``, as constants or draws.
+
+    What it uses (imports, constants, functions of the file) goes into the sandbox with it. Raises
+    ``exercises.authoring.written_mistakes.NotPortable`` if something has no source.
+    """
+    over = [name for name in inspect.signature(defined).parameters if name not in given]
+    return Family(source_of(defined), tuple(over), given)
+
+
 class Drawing:
     """What a joint draw is called with: draws one value after the other from the generator ``rng``."""
 
@@ -93,7 +107,11 @@ class Drawing:
         self.rng = rng
 
     def __call__(self, draw: Draw) -> Any:
-        """Return the value of a draw."""
+        """Return the value of a draw. Raises TypeError if it is none."""
+        if isinstance(draw, Family):
+            raise TypeError("an expression is not drawn: give it to a case, acc=expression(…)")
+        if not callable(draw):
+            raise TypeError(f"{SHORT.repr(draw)} is no draw, such as between(1, 2)")
         return draw(self.rng)
 
     def sign(self) -> float:
@@ -107,13 +125,20 @@ class JointDraw:
 
     function: Callable[[Drawing], Mapping[str, Any]]
 
-    def __call__(self, rng: np.random.Generator) -> dict[str, Any]:
-        """Return all drawn values by name. Raises TypeError if the function returns anything else."""
+    def __call__(self, rng: np.random.Generator, row: int = 0) -> dict[str, Any]:
+        """Return all drawn values by name of the input number ``row``. Raises TypeError if the function
+        returns anything else.
+        """
         found = self.function(Drawing(rng))
         if not isinstance(found, Mapping):
             raise TypeError(
                 f"the draw {self.function.__name__} returned {type(found).__name__}: it must return a dict of"
                 " the drawn values by name"
+            )
+        if expressions := [name for name, value in found.items() if isinstance(value, Family)]:
+            raise TypeError(
+                f"the draw {self.function.__name__} returned the expression {expressions[0]}: give it to a"
+                f" case, {expressions[0]}=expression(…)"
             )
         return dict(found)
 
@@ -136,7 +161,7 @@ class ListDraw(JointDraw):
     not be missing, such as a body at rest, need no chance.
     """
 
-    def __call__(self, rng: np.random.Generator) -> dict[str, Any]:
+    def __call__(self, rng: np.random.Generator, row: int = 0) -> dict[str, Any]:
         """Return the first of the inputs."""
         return self.all(rng)[0]
 
@@ -152,6 +177,22 @@ class ListDraw(JointDraw):
     def count(self) -> int:
         """The number of inputs."""
         return len(self.all(np.random.default_rng(0)))
+
+
+@dataclass(frozen=True, eq=False)
+class InTurn(JointDraw):
+    """Joint ``cases`` that take turns: the first input is drawn by the first, and so on, again and again."""
+
+    cases: tuple[JointDraw, ...]
+
+    def __call__(self, rng: np.random.Generator, row: int = 0) -> dict[str, Any]:
+        """Return all drawn values by name of the input number ``row``."""
+        return self.cases[row % len(self.cases)](rng)
+
+
+def in_turn(*cases: JointDraw) -> JointDraw:
+    """Return the joint draw in which these ``cases`` take turns, so that every grading has inputs of each."""
+    return InTurn(cases[0].function, cases)
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ import inspect
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from exercises.authoring.ask import Ask
-from exercises.authoring.asked import Asked, DeclarationError
+from exercises.authoring.asked import Asked, AskedSolution, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.assignments.assignment import Assignment
@@ -65,6 +65,7 @@ class Notebook:
         load_s: float | None = None,
     ) -> None:
         self.notebook, self.title = notebook, title
+        self._folder = Path(sys._getframe(1).f_code.co_filename).parent
         self._given: dict[str, Any] = {
             "version": version,
             "packages": packages,
@@ -98,13 +99,18 @@ class Notebook:
 
         return decorate
 
+    def questions(self) -> list[Question]:
+        """Return all questions in the order of the notebook beside the file that declares them."""
+        return self._declared(self._folder)[0].questions()
+
     def errors(self, folder: Path) -> list[str]:
         """Return all errors of the declaration and of the notebook, each with its file and line."""
         try:
             declared, errors = self._declared(folder)
         except InvalidNotebook as error:
             return [str(error)]
-        found = [*(f"assignment.py {error}" for error in errors), *declared.errors(folder)]
+        found = [f"assignment.py {error}" for error in errors]
+        found += map(_in_declared_words, declared.errors(folder))
         return list(dict.fromkeys(found))
 
     def assignment(self, folder: Path) -> Assignment:
@@ -125,13 +131,19 @@ class Notebook:
         dynamics: dict[str, AskedDynamics] = {}
         for exercise in self._exercises:
             ask = Ask(solutions, exercise.partial, dynamics)
-            errors += _raised(lambda: exercise.declare(ask), exercise)  # noqa: B023
+            stopped = _raised(lambda: exercise.declare(ask), exercise)  # noqa: B023
+            errors += stopped
             errors += _errors_of(exercise, ask, cells)
             questions = list[list[Question]]()
-            for asked in ask.asked:
+            for k, asked in enumerate(ask.asked, 1):
+                is_unfinished = bool(stopped) and k == len(ask.asked)
                 uses = _uses(asked, earlier)
-                failed = _raised(lambda: questions.append(asked.questions(uses)), exercise)  # noqa: B023
-                errors += failed
+                failed = (
+                    stopped
+                    if is_unfinished
+                    else _raised(lambda: questions.append(asked.questions(uses)), exercise)  # noqa: B023
+                )
+                errors += () if is_unfinished else failed
                 if isinstance(asked, Asked) and not failed:
                     earlier[asked.solution_name] = asked.solution
             declared.exercise(
@@ -139,13 +151,16 @@ class Notebook:
                 exercise.title or _heading(cells, exercise.number) or "",
                 *(question for several in questions for question in several),
             )
-            if exercise.points is not None and len(questions) == len(ask.asked):
+            sound = not any(question.wrong for several in questions for question in several)
+            if exercise.points is not None and sound and len(questions) == len(ask.asked):
                 shares = [
                     a.share / len(several)
                     for a, several in zip(ask.asked, questions, strict=True)
                     for _ in several
                 ]
-                declared.sections[-1] = _with_points(declared.sections[-1], exercise.points, shares)
+                section = _with_points(declared.sections[-1], exercise.points, shares)
+                declared.sections[-1] = section
+                errors += _without_points(section, exercise)
         return declared, errors
 
 
@@ -171,11 +186,7 @@ def _uses(
 
 def _with_points(section: Section, points: int, shares: list[float]) -> Section:
     """Return an exercise whose checks are worth ``points`` together."""
-    documents = [question.document for question in section.questions]
-    checks = [
-        [check.id for check in expand_exercise(section.number, "", [document], True).checks]
-        for document in documents
-    ]
+    checks = [_last_new(question.id, _check_ids(section, question)) for question in section.questions]
     given = allotted(points, checks, shares)
     return section._replace(
         questions=tuple(
@@ -183,6 +194,34 @@ def _with_points(section: Section, points: int, shares: list[float]) -> Section:
             for question, ids in zip(section.questions, checks, strict=True)
         )
     )
+
+
+def _check_ids(section: Section, question: Question) -> list[str]:
+    found = expand_exercise(section.number, "", [question.document], True).checks
+    return [check.id for check in found]
+
+
+def _last_new(question: str, checks: list[str]) -> list[str]:
+    """Return the ids of a question's checks, those first that are made again with new inputs."""
+    return sorted(checks, key=lambda id: not _is_repeated(question, id, checks))
+
+
+def _is_repeated(question: str, check: str, checks: Collection[str]) -> bool:
+    """Return whether a question's check is made again with new inputs, under the id that the kit gives it."""
+    return f"{question}-new{check.removeprefix(question)}" in checks
+
+
+def _without_points(section: Section, exercise: DeclaredExercise) -> Iterator[str]:
+    """Yield an error for each question with too few points for what it checks."""
+    for question in section.questions:
+        points = question.data["points"]
+        checked = [id for id in points if not _is_repeated(question.id, id, points)]
+        if not all(points[id] for id in checked):
+            yield (
+                f"line {exercise.line}: points={exercise.points} leaves {sum(points.values())} for"
+                f" {question.function}, of which {len(checked)} things are checked: a wrong one would cost"
+                " nothing; give more points, or this question a larger share="
+            )
 
 
 def _errors_of(exercise: DeclaredExercise, ask: Ask, cells: list[Cell]) -> Iterator[str]:
@@ -224,5 +263,52 @@ def _raised(declare: Callable[[], object], exercise: DeclaredExercise) -> list[s
         file = exercise.declare.__code__.co_filename
         own = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
         line = own[-1].lineno if own else exercise.line
-        return [f"line {line}: {type(error).__name__}: {error}"]
+        return [f"line {line}: {_in_words(error)}"]
     return []
+
+
+def _in_words(error: Exception) -> str:
+    """Return the sentence about an exception: what a question has, if the author used another name."""
+    text = str(error)
+    if isinstance(error, TypeError) and (found := NO_ARGUMENT.fullmatch(text)) and found[1] in ASKING:
+        method, name = getattr(ASKING[found[1]], found[2]), found[3]
+        has = [p for p in inspect.signature(method).parameters if p not in ("self", "family")]
+        where = ELSEWHERE.get(name, f"it has {', '.join(has)}")
+        return f"{found[2]} has no argument {name}: {where}"
+    if isinstance(error, AttributeError) and type(error.obj) in ASKING.values():
+        has = [name for name, value in vars(type(error.obj)).items() if inspect.isfunction(value)]
+        has = [name for name in [*has, "mistake"] if not name.startswith("_") and name != "questions"]
+        return f"a question of this kind has no {error.name}: it has {', '.join(dict.fromkeys(has))}"
+    return f"{type(error).__name__}: {error}"
+
+
+ASKING: dict[str, Any] = {"Ask": Ask, "Asked": Asked, "AskedSolution": AskedSolution, "AskedCell": AskedCell}
+NO_ARGUMENT = re.compile(r"(\w+)\.(\w+)\(\) got an unexpected keyword argument '(\w+)'")
+ELSEWHERE = {
+    "partial": "it is an argument of @notebook.exercise",
+    "points": "it is an argument of @notebook.exercise; share= is the question's part of them",
+    "uses": "leave it out, earlier solutions are found by their names in the solution",
+    "truth": "decorate the exact answer with @question.truth",
+    "agree": "give it to the truth, or call question.agree(…)",
+}
+
+
+def _in_declared_words(error: str) -> str:
+    """Return an error of a question in the words of this form of a declaration."""
+    for old, new in WORDS:
+        error = error.replace(old, new)
+    return error
+
+
+WORDS = (
+    ("Tolerance(limit=…, reason=…)", "relative(…, because=…), or at_most for a count"),
+    ("Tolerance(rtol=…, atol=…, reason=…)", "close(rtol=…, atol=…, because=…)"),
+    ("Tolerance(atol=…, reason=…)", "absolute(…, because=…)"),
+    (": stability is ", ": stable_to is "),
+    (": stability[1] is ", ": the tolerance of stable_to is "),
+    (": order[1] is ", ": the tolerance of order is "),
+    ("a motion needs t_end and follow, its tolerance", "a motion needs until= and follow=, its tolerance"),
+    ("give rates=, a function", "decorate with @question.rates a function"),
+    ("or itself(reason)", "or call is_its_own_truth(because=…)"),
+    (", but ask names (", ", but its inputs are ("),
+)

@@ -7,16 +7,22 @@ def allotted(points: int, checks: Sequence[Sequence[str]], shares: Sequence[floa
     """Return the points of each check by its id, ``points`` in all.
 
     ``checks`` are those of each question and ``shares`` the questions' shares. Checks of one question are
-    worth the same up to rounding. What is left goes to the largest remainders, of equal ones to the last
-    check, which has new inputs.
+    worth the same up to rounding; what is left goes to its last ones, which have new inputs.
     """
-    whole = sum(shares)
-    exact = {
-        id: points * share / whole / len(ids) for ids, share in zip(checks, shares, strict=True) for id in ids
-    }
-    found = {id: int(value + 1e-9) for id, value in exact.items()}
-    order = {id: k for k, id in enumerate(exact)}
-    by_remainder = sorted(exact, key=lambda id: (round(found[id] - exact[id], 9), -order[id]))
-    for id in by_remainder[: points - sum(found.values())]:
-        found[id] += 1
+    found = dict[str, int]()
+    for ids, of_question in zip(checks, _parts(points, shares), strict=True):
+        each, left = divmod(of_question, len(ids))
+        found |= {id: each + (k >= len(ids) - left) for k, id in enumerate(ids)}
+    return found
+
+
+def _parts(points: int, shares: Sequence[float]) -> list[int]:
+    """Return whole numbers in the ratio of ``shares``; what is left goes to the largest remainders, of equal
+    ones to the last.
+    """
+    exact = [points * share / sum(shares) for share in shares]
+    found = [int(value + 1e-9) for value in exact]
+    by_remainder = sorted(range(len(found)), key=lambda k: (round(found[k] - exact[k], 9), -k))
+    for k in by_remainder[: points - sum(found)]:
+        found[k] += 1
     return found

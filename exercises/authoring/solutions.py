@@ -3,8 +3,11 @@ define.
 """
 
 import ast
+import contextlib
 import functools
 import inspect
+import io
+import threading
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +17,8 @@ from exercises.authoring.questions import author_notebook
 from exercises.authoring.questions.author_notebook import Cell
 from polhode.notebook.cells import DEFINITION, Statement, statements_of
 
-CONSTANT = (ast.Assign, ast.AnnAssign)
+_WORKING_FOLDER = threading.RLock()
+"""Held while a Setup runs: a process has one working folder."""
 
 
 class NoSolution(LookupError):
@@ -33,8 +37,8 @@ class NotebookSolution:
 
     @property
     def names(self) -> Mapping[str, Any]:
-        """The global names of the notebook that the solution uses, and all constants."""
-        return self.solutions.names(self.__name__)
+        """The global names of the notebook: those of its Setup, of given cells and of all solutions."""
+        return self.solutions.names
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the solution."""
@@ -79,27 +83,23 @@ class Solutions:
             )
         return self._solution(names[0], self._code[found[0] - 1].source.strip("\n"), None)
 
-    @functools.cache  # noqa: B019
-    def names(self, name: str) -> Mapping[str, Any]:
-        """Return the global names after the statements of Setup, given cells and solution cells ran that
-        assign constants, or that the solution ``name`` needs.
+    @functools.cached_property
+    def names(self) -> Mapping[str, Any]:
+        """The global names after Setup, given constants, and the definitions of all solution cells ran. They
+        run in the assignment's folder, where its data files are, as in the sandbox.
 
         A package that is not installed here, such as the course's, is left out with what needs it at once.
         """
         found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}"}
-        absent, statements = set[str](), self._all_statements
-        wanted = {name, *(n for s in statements if isinstance(s.node, CONSTANT) for n in s.names.bound)}
-        while (
-            more := {n for s in statements if s.names.bound & wanted for n in s.names.now | s.names.later}
-            - wanted
-        ):
-            wanted |= more
-        for statement in (one for one in statements if one.names.bound & wanted):
-            if _is_missing(statement.node) or statement.names.now & absent:
-                absent |= statement.names.bound
-            else:
-                body = ast.Module([statement.node], [])
-                exec(compile(body, str(self.folder / "notebook"), "exec"), found)
+        absent = set[str]()
+        # what the Setup prints is not for the output of a command
+        with _WORKING_FOLDER, contextlib.chdir(self.folder), contextlib.redirect_stdout(io.StringIO()):
+            for statement in self._all_statements:
+                if _is_missing(statement.node) or statement.names.now & absent:
+                    absent |= statement.names.bound
+                else:
+                    body = ast.Module([statement.node], [])
+                    exec(compile(body, str(self.folder / "notebook"), "exec"), found)
         return found
 
     @functools.cached_property

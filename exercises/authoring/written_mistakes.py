@@ -1,7 +1,8 @@
-"""Mistakes that an author writes as functions: their source for the sandbox, with the names that they use.
+"""Functions of the author's file that run in the sandbox: their source, with the names that they use.
 
-The function replaces the right solution, which it may call. Only source goes into the sandbox: names of
-``assignment.py`` are imported there, written as constants, or taken along as source if they are functions.
+Such a function is a mistake, an observation of a solution, or an argument of one. A mistake replaces the
+right solution, which it may call. Only source goes into the sandbox: names of ``assignment.py`` are imported
+there, written as constants, or taken along as source if they are functions.
 """
 
 import ast
@@ -60,6 +61,15 @@ class WrittenMistake:
         except (NotPortable, OSError, TypeError, SyntaxError) as error:
             return [f"the mistake {self.function.__name__}: {error}"]
         return []
+
+
+def source_of(function: FunctionType) -> str:
+    """Return the source of a function of the author's file, behind that of what it uses. Raises
+    NotPortable.
+    """
+    needs = _Needs("", set())
+    node = needs.definition(function, function.__name__)
+    return "\n".join([*needs.lines, ast.unparse(node)])
 
 
 class _Needs:

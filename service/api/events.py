@@ -10,8 +10,7 @@ from service.api.figure_renderer import Renderer
 from service.api.submissions import Submission
 from service.http.live import Listener
 from service.http.openapi import PERSON, problems
-from service.http.state import Db, Held
-from service.store import records
+from service.http.state import Held
 from service.store.database import is_outage
 from service.store.records import SubmissionRecord
 
@@ -26,7 +25,6 @@ LONGEST_S = 3600.0
 )
 async def events(
     stored: Submission,
-    database: Db,
     listener: Held[Listener],
     renderer: Held[Renderer],
     last_event_id: Annotated[str | None, Header(description="The last event that was received.")] = None,
@@ -42,7 +40,7 @@ async def events(
     renderer.prepare(stored.assignment)  # who waits for a report will look at its figures
     async for _ in listener.wait_for_changes(str(stored.id), LONGEST_S):
         try:
-            progress = await _progress(database, stored, listener)
+            progress = await _progress(stored, listener)
         except Exception as error:
             if not is_outage(error):
                 raise
@@ -55,8 +53,8 @@ async def events(
             return
 
 
-async def _progress(database: Db, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
-    row = await records.state(database, stored.id)
+async def _progress(stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
+    row = await listener.state(stored.id)
     assert row is not None
     progress = {"status": row.status, "grading": row.number}
     if row.finished:

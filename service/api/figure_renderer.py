@@ -4,9 +4,10 @@ figures, or else on the first request for an unstored picture.
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from functools import partial
 from typing import Any, TypeVar
+from weakref import WeakValueDictionary
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.api.separate_process import ProcessLost, SeparateProcess
@@ -23,12 +24,13 @@ class RenderFailed(Exception):
 
 
 class Renderer:
-    """Renders figures and charts, one at a time."""
+    """Renders figures and charts, one at a time. Persons take turns, so that who wants many delays nobody."""
 
     def __init__(self) -> None:
         self._process = SeparateProcess(TIMEOUT_S)
         self._tasks: dict[tuple[Any, ...], asyncio.Task[bytes]] = {}
         self._prepared: dict[str, asyncio.Task[None]] = {}
+        self._turns: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
 
     def prepare(self, slug: str) -> None:
         """Start loading what the figures of an assignment need, if it has figures,
@@ -54,22 +56,32 @@ class Renderer:
         """
         key = stored.grading, name, form, narrow
         draw = partial(rendering.draw_stored, narrow=narrow)
-        return await self._shared(key, draw, stored.assignment, name, packed, stored.seed, form)
+        of_figure = stored.assignment, name, packed, stored.seed, form
+        return await self._shared(key, self._in_turn(stored.person, draw, *of_figure))
 
     async def class_sweep(self, documents: Sequence[dict[str, Any]]) -> bytes:
         """Return the chart of a class's sweeps over the reference methods as SVG."""
-        return await self._shared(("class", len(documents), str(documents)), rendering.draw_class, documents)
+        key = "class", len(documents), str(documents)
+        return await self._shared(key, self._call(rendering.draw_class, documents))
 
     def stop(self) -> None:
         """Kill the rendering process."""
         self._process.stop()
 
-    async def _shared(self, key: tuple[Any, ...], function: Callable[..., bytes], *args: Any) -> bytes:
+    async def _shared(self, key: tuple[Any, ...], rendered: Coroutine[Any, Any, bytes]) -> bytes:
         """Render once for concurrent requests; a disconnecting client does not cancel the rendering."""
-        if key not in self._tasks:
-            self._tasks[key] = task = asyncio.ensure_future(self._call(function, *args))
+        if key in self._tasks:
+            rendered.close()
+        else:
+            self._tasks[key] = task = asyncio.ensure_future(rendered)
             task.add_done_callback(lambda _: self._tasks.pop(key, None))
         return await asyncio.shield(self._tasks[key])
+
+    async def _in_turn(self, person: str, function: Callable[..., T], *args: Any) -> T:
+        """Call the function, one at a time for each person."""
+        turn = self._turns.setdefault(person, asyncio.Lock())
+        async with turn:
+            return await self._call(function, *args)
 
     async def _call(self, function: Callable[..., T], *args: Any) -> T:
         try:

@@ -345,14 +345,14 @@ def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
 
 async def _wait(database: Db, listener: Listener, accepted: Accepted, seconds: float) -> SubmissionRecord:
     """Return the submission when it has its result, at latest after ``seconds``."""
-    changes, stored = listener.wait_for_changes(str(accepted.id), seconds, progress=False), None
+    changes = listener.wait_for_changes(str(accepted.id), seconds, progress=False)
     if accepted.fresh:
         await anext(changes)  # starts to wait: a new submission has no result yet
     async for _ in changes:
-        stored = await records.read(database, accepted.id)
-        if stored is None or stored.finished:
+        row = await listener.state(accepted.id)
+        if row is None or row.finished:
             break
-    stored = stored or await records.read(database, accepted.id)
+    stored = await records.read(database, accepted.id)
     assert stored is not None
     return stored
 

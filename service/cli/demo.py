@@ -22,7 +22,7 @@ from polhode.report.report import Report
 from service.cli.demo_class import STUDENTS, add_class, logins
 from service.settings import Settings
 
-START_S, ANSWER_S, WAIT_S, PATIENCE_S = 60.0, 5.0, 60, 1800.0
+START_S, ANSWER_S, WAIT_S, PATIENCE_S = 240.0, 5.0, 60, 1800.0
 SLUGS = ("rigid-body", "integrators", "random-walks")  # exercises of its own, steppers, random numbers
 ROW = "{:1}  {:40}  {:>8}  {:>7}  {}"
 MOST_CAUSE = 80  # characters

@@ -5,14 +5,18 @@ lines.
 import argparse
 import shutil
 import sys
+from collections import defaultdict
 from pathlib import Path
 
 from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.assignment import InvalidAssignment
+from exercises.authoring.importing.dependencies import requirements
 from exercises.authoring.importing.importing import imported
 from exercises.authoring.questions.author_notebook import InvalidNotebook
 from service.cli.errors import CommandError
 from service.cli.scaffolding import CannotScaffold, created
+
+REQUIREMENTS = "requirements.txt"
 
 
 def add_import_notebook(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +57,7 @@ def _import(arguments: argparse.Namespace) -> int:
             ignore=shutil.ignore_patterns("__pycache__", ".*"),
             dirs_exist_ok=True,
         )
-    code = 0
+    code, lacking = 0, defaultdict[str, list[str]](list)
     for file in files:
         try:
             made = imported(file, into / course_packages.FOLDER)
@@ -68,6 +72,15 @@ def _import(arguments: argparse.Namespace) -> int:
         print(f"{folder}: {made.taken} of {made.taken + len(made.left)} validation lines, self-reported")
         for sentence in [*(f"not taken over: {one}" for one in made.left), *made.warnings]:
             print(f"  {sentence}")
+        for name in made.lacking:
+            lacking[name].append(file.name)
+    wanted = requirements((arguments.package or into / course_packages.FOLDER / "x").parent / REQUIREMENTS)
+    for name, needing in lacking.items():
+        wants = f" (the course's {REQUIREMENTS}: {wanted[name.lower()]})" if name.lower() in wanted else ""
+        print(
+            f"{name} is not installed on this machine{wants}; {', '.join(needing)} cannot run without it:"
+            " install it and name it in packages, or name the folder of the course's package with --package"
+        )
     return code
 
 

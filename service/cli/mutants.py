@@ -7,8 +7,8 @@ import ast
 import contextlib
 import itertools
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
@@ -106,7 +106,7 @@ def grade_mutants(
     isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
     if assignment.questions:
         with contextlib.closing(Sandbox(with_packages(isolation, assignment.packages))) as sandbox:
-            yield from itertools.islice(_declared(assignment, sandbox), most)
+            yield from together(itertools.islice(_declared(assignment, sandbox), most))
     else:
         yield from _of_samples(assignment, functions, isolation, most)
 
@@ -186,6 +186,21 @@ def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult
                 }
         for variant in variants:
             yield _judged(variant, of, outcomes[variant], outcomes[right])
+
+
+def together(results: Iterable[MutantResult]) -> Iterator[MutantResult]:
+    """Yield one result for each mutant of a function, which several questions, its cases, may judge."""
+    found: dict[tuple[str, str], MutantResult] = {}
+    for one in results:
+        key = one.of, one.mutant.source
+        known = found.get(key, one)
+        found[key] = replace(
+            one,
+            wrong=known.wrong or one.wrong,
+            accepted=known.accepted and one.accepted,
+            measured=known.measured or one.measured,
+        )
+    yield from found.values()
 
 
 def _judged(

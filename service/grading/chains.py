@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
+from polhode.judging.outcome import Ended
 from service.grading.judging import passes
 from service.grading.playing import PlayedJob, play_job
 from service.sandbox.job import Job, ReferenceFunctions
@@ -37,8 +38,10 @@ def play_chains(assignment: Assignment, played: PlayedJob, sandbox: Sandbox) -> 
     """Play the scenes of a question again with reference functions if a check of it fails and a function that
     it uses is wrong.
 
-    The new results replace those in ``played``, unless fewer checks pass. A function that
-    passes its checks only with reference functions is used together with them.
+    The new results replace those in ``played``, unless fewer checks pass, or as few and there the reference
+    makes the submission raise an exception. If it does, the reference first returns its values in the form
+    of the submission's function. A function that passes its checks only with reference functions is used
+    together with them.
     """
     chains = Chains()
     needed: dict[
@@ -54,8 +57,11 @@ def play_chains(assignment: Assignment, played: PlayedJob, sandbox: Sandbox) -> 
             reference = ReferenceFunctions(tuple(sorted(replaced)), assignment.source_before(question["id"]))
             job = replace(played.job, scenes=scenes, reference=reference)
             again = play_job(job, assignment, dict(played.inputs), sandbox, played.budget)
+            if _stopped(names, again):
+                job = replace(job, reference=replace(reference, formed=True))
+                again = play_job(job, assignment, dict(played.inputs), sandbox, played.budget)
             found = sum(passes(assignment, check, again) for check in checks)
-            if found < passed:
+            if found < passed or (found == passed and _stopped(names, again) - _stopped(names, played)):
                 replaced = set()
             else:
                 passed = found
@@ -87,6 +93,13 @@ def _questions(assignment: Assignment, job: Job) -> Iterator[tuple[Mapping[str, 
         (question, name), *others = group
         if question["function"] in used or question.get("uses"):
             yield question, {name, *(other for _, other in others)}
+
+
+def _stopped(names: set[str], played: PlayedJob) -> set[str]:
+    """Return the scenes that an exception ended, of their own or of the cell that computes a variable."""
+    ends = played.result.scene_ends
+    by_exception = (Ended.RAISED, Ended.WRONG_ANSWER, Ended.MISSING)
+    return {name for name in names if name in ends and ends[name].ended in by_exception}
 
 
 def _adopt(names: set[str], played: PlayedJob, again: PlayedJob) -> None:

@@ -14,15 +14,18 @@ LEAST_S = 1e-6  # shorter times are shown as this one
 
 def card(swept: SweepResult) -> Chart:
     """Return the chart of one submission, with the right solution as ghosts."""
-    curves = [
-        *_curves(swept.points, [*COLORS]),
-        *(curve._replace(name="") for curve in _curves(swept.reference, [GHOST] * len(COLORS))),
-    ]
-    if swept.reference:
-        curves[-1] = curves[-1]._replace(name="the solution")
+    ghosts = _curves(swept.reference, [GHOST] * len(COLORS))
+    names = [f"{ghost.name} of the solution" for ghost in ghosts]
+    if not any(p.step for p in swept.points):  # solvers, whose names stand at the submission's curves
+        names = [*[""] * (len(ghosts) - 1), "the solution"]
+    named = [ghost._replace(name=name) for ghost, name in zip(ghosts, names, strict=False)]
+    curves = [*_curves(swept.points, [*COLORS]), *named]
     levels = [(swept.tolerance, "tolerance of the check")] if swept.tolerance else []
     if swept.sensitivity:
-        levels += [(swept.sensitivity * DOUBLE, "κ·2⁻⁵²"), (swept.sensitivity * SINGLE, "κ·2⁻²³, float32")]
+        levels += [
+            (swept.sensitivity * DOUBLE, "float64, κ·2⁻⁵²"),
+            (swept.sensitivity * SINGLE, "float32, κ·2⁻²³"),
+        ]
     walls = [(swept.closed_form * MS, "closed form")] if swept.closed_form else []
     rings = [
         (_ms(p), p.error, COLORS[0])

@@ -17,9 +17,16 @@ from polhode.judging.checks import Arrays
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
-from polhode.kinds.values import agreement, finite_alike, own_scale
+from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 from service.grading.quoting import StudentCode
-from service.grading.readings import constant_factor, extra_term, factor_in_words, numbers_at, too_few_digits
+from service.grading.readings import (
+    constant_factor,
+    extra_term,
+    factor_in_words,
+    numbers_at,
+    order_of,
+    too_few_digits,
+)
 
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
 
@@ -31,8 +38,15 @@ class Rank(IntEnum):
     READ = 1
     CHANGED = 2
     MULTIPLE = 3
-    DECLARED_MULTIPLE = 4
-    CHANGED_TWICE = 5
+    MAGNITUDE = 4
+    DECLARED_MULTIPLE = 5
+    CHANGED_TWICE = 6
+
+
+CHANGES = (Rank.CHANGED, Rank.CHANGED_TWICE)
+READINGS = (Rank.READ, Rank.MULTIPLE, Rank.MAGNITUDE)
+BY_AUTHOR = (Rank.DECLARED, Rank.DECLARED_MULTIPLE)
+VAGUE = (Rank.CHANGED, Rank.DECLARED_MULTIPLE, Rank.CHANGED_TWICE)
 
 
 @dataclass(frozen=True)
@@ -49,13 +63,14 @@ class Cause:
 
 @dataclass(frozen=True)
 class Component:
-    """A part of an answer: a value by ``name``, or one number ``at`` of it. ``label`` names it for students,
-    "" if it is the whole answer.
+    """A part of an answer: a value by ``name``, or one of ``of_several`` numbers of it, ``at``. ``label``
+    names it for students, "" if it is the whole answer.
     """
 
     name: str
     at: int | None
     label: str
+    of_several: int = 1
 
     def of(self, array: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return this component of all rows."""
@@ -107,13 +122,12 @@ def causes(
             variant
             for variant, arrays in predicted.items()
             if component.name in arrays
-            and _agree(value, component, seen, arrays, truth)
+            and _agree(to_rounding(value), component, seen, arrays, truth)
             and not _agree(value, component, arrays, truth, truth)
         ]
         local = [v for v in same if v.declared and _is_local(question, component, predicted[v], truth)]
-        is_zero = not np.any(
-            component.of(seen[component.name])
-        )  # as by many a version that changes the others
+        # a component that is zero is so in many a version that changes the others
+        is_zero = not np.any(component.of(seen[component.name]))
         alike = {_of(v) for v in local or ([] if is_zero else same)}
         found[component] = alike or set(_multiples(value, component, seen, truth, predicted))
         if not question.get("call"):  # an author's expression is no value that the student knows
@@ -123,6 +137,8 @@ def causes(
         whole = Component(name, None, "")
         found[WHOLE] |= set(_readings(question, whole, seen, truth))
         found[WHOLE] = found[WHOLE] or set(_multiples(values[name], whole, seen, truth, predicted))
+    if wrong and not question.get("call"):
+        found[WHOLE] |= set(_orders(question, seen, truth))
     return found
 
 
@@ -157,64 +173,97 @@ def _multiples(
             yield Cause(Rank.DECLARED_MULTIPLE, (variant.code, code), (variant.sentence, sentence), variant)
 
 
-def diagnoses(left: Mapping[Component, Collection[Cause]], student: StudentCode) -> list[Diagnosis]:
+def diagnoses(
+    left: Mapping[Component, Collection[Cause]], student: StudentCode, right: int = 0
+) -> list[Diagnosis]:
     """Return the diagnoses of all values together, else those of their components, in words that fit the
     student's code. Components with the same cause are named together.
 
+    ``right`` is the number of components that are right. A change in general words names the others, and
+    gives way to what the numbers of each of them show.
     A declared mistake of each wrong component comes before a change of the solution that explains them
     together.
     """
-    parts = {part: of for part, of in left.items() if part != WHOLE}
-    whole, first = _common(left.get(WHOLE, ()), student), _first_rank(left.get(WHOLE, ()))
+    wrong = [part for part in left if part != WHOLE]
+    whole = _common(left.get(WHOLE, ()), student)
+    is_vague = any(one.rank in VAGUE for one in whole)
     if whole and not (
-        first in (Rank.CHANGED, Rank.DECLARED_MULTIPLE, Rank.CHANGED_TWICE)
-        and parts
-        and all(_is_known(of) and _common(of, student) for of in parts.values())
+        is_vague and wrong and all(_is_known(left[part]) and _common(left[part], student) for part in wrong)
     ):
-        (at,) = (part.at for part in parts) if len(parts) == 1 else (None,)
-        return [Diagnosis(code, sentence, 1.0, component=at) for code, sentence, _ in whole]
+        if not all(one.is_general for one in whole):
+            (at,) = (part.at for part in wrong) if len(wrong) == 1 else (None,)
+            return [Diagnosis(one.code, one.sentence, 1.0, component=at) for one in whole]
+        if read := _read(left, wrong, student):
+            return read
+        return [_diagnosis(one, wrong if right else [WHOLE]) for one in whole]
     found: dict[Found, list[Component]] = {}
-    for part, of in parts.items():
-        for one in _common(of, student):
+    for part in wrong:
+        several = _common(left[part], student)
+        if any(one.is_general for one in several):
+            several = _common(_readings_among(left[part]), student) or several
+        for one in several:
             found.setdefault(one, []).append(part)
-    return [_diagnosis(one, alike) for one, alike in found.items()]
+    return [_diagnosis(one, parts, is_all=parts == wrong) for one, parts in found.items()]
 
 
 def _is_known(found: Collection[Cause]) -> bool:
-    return _first_rank(found) in (Rank.DECLARED, Rank.READ)
+    return min((cause.rank for cause in found), default=None) in (Rank.DECLARED, Rank.READ)
 
 
-def _first_rank(found: Collection[Cause]) -> Rank | None:
-    return min((cause.rank for cause in found), default=None)
+def _read(
+    left: Mapping[Component, Collection[Cause]], wrong: Sequence[Component], student: StudentCode
+) -> list[Diagnosis]:
+    """Return what the numbers of each wrong component show, nothing if those of one show nothing."""
+    found = {part: _common(_readings_among(left[part]), student) for part in wrong}
+    if not wrong or not all(found.values()):
+        return []
+    return [_diagnosis(one, [part]) for part, several in found.items() for one in several]
 
 
-def _diagnosis(found: "Found", parts: Sequence[Component]) -> Diagnosis:
-    """Return the diagnosis of these components."""
-    code, sentence, needs_place = found
+def _readings_among(found: Collection[Cause]) -> list[Cause]:
+    return [cause for cause in found if cause.rank in READINGS]
+
+
+def _diagnosis(found: "Found", parts: Sequence[Component], *, is_all: bool = True) -> Diagnosis:
+    """Return the diagnosis of these components, of all wrong ones if ``is_all``."""
     labels = [part.label for part in parts]
-    is_named = len(labels) == 1 and labels[0] in sentence
-    text = f"{_joined(labels)}: {sentence}" if needs_place and labels[0] and not is_named else sentence
-    is_one_of_one_value = len(parts) == 1 and " of " not in labels[0]
-    return Diagnosis(code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
+    if len(parts) == parts[0].of_several > 1 and " of " in labels[0] and len({p.name for p in parts}) == 1:
+        labels = [f"the value {parts[0].name}"]
+    named = found.rank in CHANGES or (found.rank in BY_AUTHOR and not is_all)
+    is_quoted = len(labels) == 1 and labels[0] in found.sentence
+    text = f"{_joined(labels)}: {found.sentence}" if named and labels[0] and not is_quoted else found.sentence
+    is_one_of_one_value = len(parts) == 1 and " of " not in parts[0].label
+    return Diagnosis(found.code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
 
 
-Found = tuple[str, str, bool]
-"""A code, its sentence, and whether the sentence has to name the component."""
+@dataclass(frozen=True)
+class Found:
+    """A diagnosis in words for the student, with ``is_general`` those of its code in general."""
+
+    code: str
+    sentence: str
+    rank: Rank
+    is_general: bool
 
 
 def _common(found: Collection[Cause], student: StudentCode) -> list[Found]:
-    """Return what the first causes of a component have in common, nothing if they disagree."""
+    """Return what the first causes of a component have in common, nothing if they disagree.
+
+    Two changes count only if the student's function contains what both quote: in another form they may be
+    one slip.
+    """
     first = [cause for cause in found if cause.rank is min(other.rank for other in found)]
     if len({cause.codes for cause in first}) != 1:
         return []
-    is_changed = first[0].rank in (Rank.CHANGED, Rank.CHANGED_TWICE)
+    rank = first[0].rank
     made = list[Found]()
     for k, code in enumerate(first[0].codes):
         sentences = {cause.sentences[k] for cause in first}
-        sentence = student.sentence(code, sentences) if is_changed else _single(sentences)
-        if not code or sentence is None:
+        sentence = student.sentence(code, sentences) if rank in CHANGES else _single(sentences)
+        is_general = rank in CHANGES and sentence not in sentences
+        if not code or sentence is None or (is_general and rank is Rank.CHANGED_TWICE):
             return []
-        made.append((code, sentence, first[0].variant is not None))
+        made.append(Found(code, sentence, rank, is_general))
     return made
 
 
@@ -256,7 +305,7 @@ def components(question: Mapping[str, Any], seen: Arrays) -> list[Component]:
         else:
             of = f" of {name}" if several else ""
             own = value.get("components") or [f"component {k + 1}{of}" for k in range(shape[0])]
-            found += [Component(name, k, label) for k, label in enumerate(own)]
+            found += [Component(name, k, label, of_several=shape[0]) for k, label in enumerate(own)]
     return found
 
 
@@ -310,6 +359,8 @@ def _readings(
         yield cause(*factor_in_words(-1.0, what, whole=is_whole), rank)
     elif factor := constant_factor(got / unit, want / unit, precisely=own is not None):
         yield cause(*factor_in_words(factor, what, whole=is_whole), Rank.MULTIPLE)
+    if np.any(want < 0) and is_(np.abs(want)):
+        yield cause("absolute-value", f"{what} is the absolute value of the right one", Rank.MAGNITUDE)
     for name in (name for name in truth if name.startswith("term ") and not is_whole):
         codes = extra_term(got, want, component.of(truth[name]), unit)
         sentences = [
@@ -328,3 +379,28 @@ def _readings(
             yield cause("returns-input", f"{what} is the argument {name} itself")
     if too_few := too_few_digits(got, want):
         yield cause("precision-loss", f"{what} {too_few}")
+
+
+def _orders(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Iterator[Cause]:
+    """Yield that the right values, or the right components of a single one, are returned in another order."""
+    returned = question["returns"]
+    if any(value.get("up_to") for value in returned):
+        return
+    name, several = returned[0]["name"], len(returned) > 1
+    if several:
+        got, want = ([arrays[value["name"]] for value in returned] for arrays in (seen, truth))
+    elif seen[name].ndim == 2:
+        got, want = (list(np.moveaxis(arrays[name], 1, 0)) for arrays in (seen, truth))
+    else:
+        return
+    order = order_of(got, want)
+    if order and several:
+        asked, found = (", ".join(returned[k]["name"] for k in ks) for ks in (range(len(order)), order))
+        where = f"as {found}: the exercise asks for {asked}"
+    elif order:
+        where = f"in the order {', '.join(str(k + 1) for k in order)}"
+    else:
+        return
+    what = "values" if several else "components"
+    sentence = f"{question['function']} returns the right {what} {where}"
+    yield Cause(Rank.READ, ("component-order",), (sentence,))

@@ -25,8 +25,10 @@ from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
+from service.sandbox.untrusted_text import text
 
 VERSIONS_OF = ("polhode", *packages.SANDBOX)
+MOST_NAMED = 100  # characters of unknown exercises in a sentence
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,8 @@ def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exerci
         return list(assignment.exercises)
     wanted = set(numbers)
     if unknown := wanted - {e.number for e in assignment.exercises}:
-        raise UnknownExercise(f"assignment {assignment.slug} has no exercise {', '.join(sorted(unknown))}")
+        named = text(", ".join(sorted(unknown)), MOST_NAMED)
+        raise UnknownExercise(f"assignment {assignment.slug} has no exercise {named}")
     return [e for e in assignment.exercises if e.number in wanted]
 
 

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
+from exercises.authoring.importing.validation_cells import ReportedLine
 from polhode.judging.checks import Arrays
+from polhode.kinds.asking import unit_of
 from service.grading.published import with_published
 from service.grading.submission import Submission
-from service.sandbox.job import FunctionsApart, Job, SceneRequest
+from service.sandbox.job import FunctionsApart, Job, Line, SceneRequest
 
 
 def draw_inputs(scene: Scene, seed: int) -> Inputs:
@@ -41,8 +43,28 @@ def job_of(
         if assignment.published
         else submission.cells()
     )
-    job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
+    job = Job(
+        assignment.setup,
+        assignment.plays,
+        cells,
+        functions,
+        requests,
+        variables=variables,
+        data=data,
+        lines=_lines(assignment),
+    )
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
+
+
+def _lines(assignment: Assignment) -> dict[tuple[str, tuple[int, int]], Line]:
+    """Return the lines of published cells, by cell and place."""
+    checks = [check for check in assignment.checks() if isinstance(check, ReportedLine)]
+    return {
+        (check.cell, check.call.place): Line(
+            check.call.numbers, None if check.declared.truth is None else check.truth
+        )
+        for check in checks
+    }
 
 
 def _request(scene: Scene, inputs: Inputs) -> SceneRequest:
@@ -73,8 +95,11 @@ def _functions_apart(scene: Scene, inputs: Inputs) -> FunctionsApart | None:
     rows = len(next(iter(inputs.values()), [()]))
     constants = {name: [value] * rows for name, value in question["constants"].items()}
     known = {name for family in families.values() for name in family["given"]}
-    values = {name: column for name, column in (constants | dict(inputs)).items() if name in known}
-    return FunctionsApart(families, values, rows)
+    columns = constants | dict(inputs)
+    values = {name: column for name, column in columns.items() if name in known}
+    passed = [columns[name] for name in question["parameters"] if name in columns]
+    units = [unit_of(column[row] for column in passed) for row in range(rows)]
+    return FunctionsApart(families, values, units)
 
 
 @functools.cache

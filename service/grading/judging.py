@@ -59,8 +59,8 @@ def _outcome(check: Check, scenes: list[Scene], played: PlayedJob) -> Outcome:
         claims = result.reported.get((check.cell, check.call.place), ())
         return check.reported(
             claims,
-            _cause_of_cell(check.cell, result),
-            stopped=check.cell in result.cells,
+            _cause_of_cell(check, result),
+            stopped=check.cell in result.cells or _is_cut_short(check, result),
             solution=played.claims_of_solution.get((check.cell, check.call.place), 0),
         )
     for scene in scenes:
@@ -97,8 +97,21 @@ def _cause(scene: Scene, result: PlayResult) -> tuple[str | None, str]:
     return None if scene_end.ended is Ended.MISSING else scene_end.scene, scene_end.sentence
 
 
-def _cause_of_cell(cell: str, result: PlayResult) -> str:
-    """Return why a published cell did not reach a line."""
-    if cell not in result.cells:
-        return "the cell did not reach this line, or your code stopped before"
-    return f"the validation cell stopped with {result.cells[cell].sentence}"
+def _cause_of_cell(check: ReportedLine, result: PlayResult) -> str:
+    """Return why a published cell did not reach a line, or not as often as its loop would."""
+    if check.cell in result.cells:
+        return f"the validation cell stopped with {result.cells[check.cell].sentence}"
+    if _is_cut_short(check, result):
+        return "another line of its loop is ✗, which ends the loop"
+    return "the cell did not reach this line, or your code stopped before"
+
+
+def _is_cut_short(check: ReportedLine, result: PlayResult) -> bool:
+    """Return whether the strict ✗ of another line ended the loop of this one."""
+    if not check.call.loop:
+        return False
+    first, last = check.call.loop
+    return any(
+        cell == check.cell and place != check.call.place and first <= place[0] <= last and claims[-1].raised
+        for (cell, place), claims in result.reported.items()
+    )

@@ -58,6 +58,9 @@ class StudentCode:
         for sentence in sentences if len(sentences) == 1 else ():
             if all(map(self.has, QUOTED.findall(sentence))):
                 return sentence
+        called = {quoted[-1] for quoted in map(QUOTED.findall, sentences) if quoted}
+        if code == "swapped-arguments" and len(called) == 1 and self.has(*called):
+            return f"two arguments of `{called.pop()}` are exchanged"
         return IN_GENERAL.get(code)
 
 

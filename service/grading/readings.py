@@ -11,6 +11,7 @@ from polhode.judging.outcome import Diagnosis
 
 SINGLE_PRECISION = 1e-5  # greatest relative error of values that are too few digits
 DIGITS = range(1, 11)
+ORDER = 1e-6  # greatest relative error of right values in another order
 NEARLY_ONE = 1e-3  # of what a factor differs from 1: a larger rest is an error of another kind
 
 
@@ -28,7 +29,7 @@ def constant_factor(got: NDArray[np.float64], want: NDArray[np.float64], *, prec
     none. A factor nearly one counts only if the values are known so ``precisely``.
     """
     large = np.abs(want) > 1e-3 * np.abs(want).max()
-    if not large.any() or np.ptp(want[large]) == 0:
+    if not large.any() or np.ptp(want[large]) == 0 or not np.all(np.isfinite(got)):
         return 0.0
     factor = float(np.median(got[large] / want[large]))
     left = float(np.abs(got - factor * want).max() / np.abs(want).max())
@@ -81,6 +82,19 @@ def extra_term(
     if left > 1e-9 or not is_there or abs(abs(own) - 1.0) > 1e-6:
         return ()
     return ("extra-term",) if own > 0 else ("extra-term", "sign-flipped")
+
+
+def order_of(got: Sequence[NDArray[Any]], want: Sequence[NDArray[Any]]) -> list[int]:
+    """Return which right array each array is, nothing if they are not all of them in another order."""
+    if any(array.shape != want[0].shape for array in (*got, *want)):
+        return []
+
+    def is_(array: NDArray[Any], right: NDArray[Any]) -> bool:
+        return np.allclose(array, right, rtol=ORDER, atol=ORDER * np.abs(right).max())
+
+    alike = [[k for k, right in enumerate(want) if is_(array, right)] for array in got]
+    order = [found[0] for found in alike if len(found) == 1]
+    return order if sorted(order) == list(range(len(want))) and order != sorted(order) else []
 
 
 def too_few_digits(got: NDArray[np.float64], want: NDArray[np.float64]) -> str:

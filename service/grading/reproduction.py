@@ -17,7 +17,15 @@ from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, reproduces
 from service.grading.diagnosing import with_scenes
-from service.grading.explanations import Cause, Component, causes, diagnoses, wrong_components
+from service.grading.explanations import (
+    WHOLE,
+    Cause,
+    Component,
+    causes,
+    components,
+    diagnoses,
+    wrong_components,
+)
 from service.grading.playing import PlayedJob
 from service.grading.quoting import StudentCode
 from service.grading.readings import in_general, unrepeatable
@@ -141,6 +149,7 @@ def _explained(
     used = list[str]()
     left: dict[Component, set[Cause]] = {}
     public: tuple[list[Diagnosis], tuple[str, ...]] = ([], ())
+    right = 0
     student = StudentCode([cell.source for cell in played.job.cells], scenes[0].function)
     for scene in scenes:
         assert scene.question is not None
@@ -150,9 +159,10 @@ def _explained(
         predicted = predict(scene, [*versions[:1], *chosen]) if chosen else {}
         found = causes(scene.question, seen, truth, predicted, wrong[scene.name])
         left = {part: left[part] & of if part in left else of for part, of in {**left, **found}.items()}
+        right = len(components(scene.question, seen)) - len(left.keys() - {WHOLE}) if wrong[scene.name] else 0
         if not callable(scene.inputs):
-            public = diagnoses(left, student), tuple(used)
-    given = diagnoses(left, student)
+            public = diagnoses(left, student, right), tuple(used)
+    given = diagnoses(left, student, right)
     return with_scenes(given, public[1] if given == public[0] else used)
 
 

@@ -7,22 +7,51 @@ import contextlib
 import logging
 from collections import defaultdict
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from functools import partial
 from hashlib import sha256
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
+from uuid import UUID
 
 import psycopg
 from fastapi.sse import ServerSentEvent
 
-from service.store.database import Database, connect_options, is_outage
-from service.store.records import positions
+from service.store import records
+from service.store.database import Database, Row, connect_options, is_outage
 from service.store.runs import CHANNEL, PROGRESS
 
 log = logging.getLogger(__name__)
 POLL_S = 2.0  # polling interval, because a notification may be lost with its connection
 POSITIONS_CACHED_S = 0.5
+STATE_CACHED_S = 1.0  # less than POLL_S
 EVERY_S = 1.0
 LONGEST_S = 3600.0
 T = TypeVar("T")
+
+
+class Shared(Generic[T]):
+    """A result of ``look``, which queries the database, for all who want it at the same time."""
+
+    def __init__(self, look: Callable[[], Awaitable[T]]) -> None:
+        self._look = look
+        self._lock = asyncio.Lock()
+        self._found: T | None = None
+        self._valid_until = float("-inf")
+        self._changes = 0
+
+    async def current(self, seconds: float) -> T:
+        """Return the result, at most so many ``seconds`` old, of a look that began after the last change."""
+        clock = asyncio.get_running_loop().time
+        async with self._lock:
+            if clock() >= self._valid_until:
+                changes = self._changes
+                self._found = await self._look()
+                self._valid_until = clock() + seconds if changes == self._changes else float("-inf")
+            return cast(T, self._found)
+
+    def invalidate(self) -> None:
+        """Discard the result after a change."""
+        self._changes += 1
+        self._valid_until = float("-inf")
 
 
 class Listener:
@@ -34,8 +63,8 @@ class Listener:
         self._waiting: defaultdict[str, dict[asyncio.Event, bool]] = defaultdict(dict)
         self._stopping = False
         self._task: asyncio.Task[None] | None = None
-        self._positions: tuple[float, Mapping[str, int]] = (float("-inf"), {})
-        self._lock = asyncio.Lock()
+        self._positions: Shared[Mapping[str, int]] = Shared(lambda: records.positions(database))
+        self._states: dict[str, Shared[Row | None]] = {}  # of submissions with waiting requests
 
     def start(self) -> None:
         """Start listening."""
@@ -74,17 +103,22 @@ class Listener:
             self._waiting[submission].pop(event, None)
             if not self._waiting[submission]:
                 del self._waiting[submission]
+                self._states.pop(submission, None)
+
+    async def state(self, submission: UUID) -> Row | None:
+        """Return the state of a submission for a request that waits for its changes (``records.state``).
+
+        All of them share one query after each change and one a second.
+        """
+        look = partial(records.state, self._database, submission)
+        return await self._states.setdefault(str(submission), Shared(look)).current(STATE_CACHED_S)
 
     async def position(self, grading: str) -> int | None:
         """Return the position in the queue, None if it is not queued.
 
         All requests share a cache of half a second.
         """
-        async with self._lock:
-            loop = asyncio.get_running_loop()
-            if loop.time() - self._positions[0] > POSITIONS_CACHED_S:
-                self._positions = loop.time(), await positions(self._database)
-        return self._positions[1].get(grading)
+        return (await self._positions.current(POSITIONS_CACHED_S)).get(grading)
 
     async def _listen(self) -> None:
         logged = False  # this outage
@@ -109,11 +143,15 @@ class Listener:
 
     def _wake(self, notification: str) -> None:
         submission = notification.removesuffix(PROGRESS)
+        if submission in self._states:
+            self._states[submission].invalidate()
         for event, also_progress in self._waiting.get(submission, {}).items():
             if also_progress or submission == notification:
                 event.set()
 
     def _wake_all(self) -> None:
+        for state in self._states.values():
+            state.invalidate()
         for events in self._waiting.values():
             for event in events:
                 event.set()
@@ -129,26 +167,18 @@ class ChangeFeed(Generic[T]):
     def __init__(
         self, listener: Listener, look: Callable[[], Awaitable[T]], shown: Callable[[T], Any]
     ) -> None:
-        self._listener, self._look, self._show = listener, look, shown
-        self._lock = asyncio.Lock()
-        self._data: Any = None
-        self._valid_until = float("-inf")
-        self._changes = 0
+        async def data() -> Any:
+            return shown(await look())
+
+        self._listener, self._data = listener, Shared(data)
 
     async def current(self) -> Any:
         """Return the page's data, at most a second old."""
-        clock = asyncio.get_running_loop().time
-        async with self._lock:
-            if clock() >= self._valid_until:
-                changes = self._changes
-                self._data = self._show(await self._look())
-                self._valid_until = clock() + 0.95 * EVERY_S if changes == self._changes else float("-inf")
-            return self._data
+        return await self._data.current(0.95 * EVERY_S)
 
     def invalidate(self) -> None:
         """Discard the cached data after a change."""
-        self._changes += 1
-        self._valid_until = float("-inf")
+        self._data.invalidate()
 
     async def events(self, last_id: str | None) -> AsyncIterator[ServerSentEvent]:
         """Yield an event whenever the data differs from that of the event ``last_id``, for an hour or

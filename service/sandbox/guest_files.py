@@ -9,11 +9,10 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Collection
-from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 
-from exercises.authoring.assignments.packages import SANDBOX
+from exercises.authoring.assignments.packages import SANDBOX, with_requirements
 
 _kit = find_spec("polhode")
 assert _kit is not None and _kit.origin is not None
@@ -42,25 +41,7 @@ def packages(more: Collection[str] = ()) -> list[str]:
     A requirement that is not installed is left out: many are for another system or another version of Python.
     """
     names: set[str] = set()
-    todo, done = {*SANDBOX, *more}, set()
-    while todo:
-        name = todo.pop()
-        done.add(name)
-        try:
-            distribution = metadata.distribution(name)
-        except metadata.PackageNotFoundError:
-            continue
-        header = (distribution.read_text("METADATA") or "").partition("\n\n")[
-            0
-        ]  # parsing all of it, as ``requires`` does, takes 20 ms
-        required = [
-            line
-            for line in re.findall(r"^Requires-Dist: (.+)$", header, re.MULTILINE)
-            if "extra ==" not in line
-        ]
-        todo |= {
-            re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower() for requirement in required
-        } - done
+    for distribution in with_requirements({*SANDBOX, *more}).values():
         record = (
             distribution.read_text("RECORD") or ""
         ).splitlines()  # parsing it, as ``files`` does, takes 20 ms

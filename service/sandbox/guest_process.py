@@ -3,6 +3,7 @@ the rest.
 """
 
 import contextlib
+import fcntl
 import logging
 import os
 import signal
@@ -19,6 +20,8 @@ from service.sandbox.guest.zygote import LATER, MODULES
 
 log = logging.getLogger(__name__)
 COMMON = Path("/tmp")
+PREFIX = "polhode-sandbox-"  # of the folders of guests; each is locked by its host while that lives
+NEW_S = 60.0  # a younger folder may not be locked yet
 TRIES, PAUSE_S = 40, 0.05
 
 
@@ -35,8 +38,8 @@ class GuestProcess:
         self, command: Sequence[str], environment: Mapping[str, str], *, libraries: bool = True
     ) -> None:
         self.imported = frozenset(MODULES if libraries else ())
-        folder = Path(tempfile.mkdtemp(prefix="polhode-guest-", dir=_temporary_folder()))
-        self._remove_folder = weakref.finalize(self, _remove, folder)
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=_temporary_folder()))
+        self._remove_folder = weakref.finalize(self, _remove, folder, _locked(folder))
         self.data = folder / "data"
         self.data.mkdir()
         (folder / "scratch").mkdir(0o700)
@@ -79,8 +82,41 @@ def _temporary_folder() -> Path:
     return found if is_open or os.geteuid() != 0 else COMMON
 
 
-def _remove(folder: Path) -> None:
-    """Remove the folder of a guest that has been killed. Its children may need a moment to end."""
+def remove_abandoned() -> None:
+    """Remove the folders of guests whose hosts were killed before they could."""
+    for folder in _temporary_folder().glob(f"{PREFIX}*"):
+        with contextlib.suppress(OSError):  # locked, another user's, or gone
+            lock = _locked(folder)
+            found = os.fstat(lock)
+            if found.st_uid == os.geteuid() and time.time() - found.st_mtime > NEW_S:
+                _remove(folder, lock)
+            else:
+                os.close(lock)
+
+
+def _locked(folder: Path) -> int:
+    """Lock a folder until the descriptor that is returned is closed. Raises OSError if another has locked
+    it.
+    """
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _remove(folder: Path, lock: int) -> None:
+    """Remove the folder of a guest that has been killed, and close its ``lock``."""
+    try:
+        _remove_contents(folder)
+    finally:
+        os.close(lock)
+
+
+def _remove_contents(folder: Path) -> None:
+    """Remove the folder with its contents. Children may need a moment to end."""
     for _ in range(TRIES):
         try:
             for one in folder.iterdir():

@@ -6,10 +6,10 @@ import functools
 import json
 import marshal
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,29 +44,35 @@ class Cell:
 @dataclass(frozen=True)
 class FunctionsApart:
     """Functions that a scene's rows pass to the submission and that another process answers and counts:
-    ``families`` by name, as in a question (polhode.kinds), and the ``inputs`` along the ``rows`` that only
-    they use.
+    ``families`` by name, as in a question (polhode.kinds), and the ``inputs`` along the rows that only they
+    use. ``units`` has for each row the numbers that one call may have (``polhode.kinds.asking.evaluations``).
     """
 
     families: Mapping[str, Mapping[str, Any]]
     inputs: Mapping[str, Any]
-    rows: int
+    units: Sequence[int]
 
     def listed(self, scene: str) -> Iterator[dict[str, Any]]:
         """Yield each function as data, those of the first family first: its name for callers, its expression,
         and the values of its row.
         """
         for name, family in self.families.items():
-            for row in range(self.rows):
+            for row, unit in enumerate(self.units):
                 given = {known: self.inputs[known][row] for known in family["given"]}
                 target = APART.format(scene=scene, name=name, row=row)
-                yield {"target": target, "text": family["text"], "over": family["over"], "given": given}
+                yield {
+                    "target": target,
+                    "text": family["text"],
+                    "over": family["over"],
+                    "given": given,
+                    "unit": unit,
+                }
 
     def most_calls(self, counts: Sequence[int]) -> NDArray[np.float64]:
         """Return for each row the most calls of one of its functions; ``counts`` are in the order of the
         list.
         """
-        return np.reshape(counts, (len(self.families), self.rows)).max(axis=0).astype(float)
+        return np.reshape(counts, (len(self.families), len(self.units))).max(axis=0).astype(float)
 
 
 @dataclass(frozen=True)
@@ -102,11 +108,22 @@ class ReferenceFunctions:
     """Functions ``names`` that ``source``, run after the setup, defines, in place of those of the submission
     with the same names.
 
-    The source is right solutions, so another process holds it than the one that runs the submission.
+    The source is right solutions, so another process holds it than the one that runs the submission. With
+    ``formed`` several values that they return have the form that the submission's functions give them.
     """
 
     names: tuple[str, ...]
     source: str
+    formed: bool = False
+
+
+class Line(NamedTuple):
+    """A line of a published cell: the tolerances that its text gives, by name, and the function that returns
+    the truth to compare with, if it has one.
+    """
+
+    numbers: tuple[tuple[str, float], ...]
+    truth: Callable[[], NDArray[Any]] | None
 
 
 @dataclass(frozen=True)
@@ -117,7 +134,7 @@ class Job:
     ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a
     published one. Statements ``left_out``, by their places, do not run: each ended an earlier
-    process, as their ends say.
+    process, as their ends say. ``lines`` are those of published cells, by cell and place.
     """
 
     setup: str
@@ -130,6 +147,7 @@ class Job:
     data: Mapping[str, Path] = field(default_factory=dict)
     reference: ReferenceFunctions | None = None
     left_out: Mapping[Place, SceneEnd] = field(default_factory=dict)
+    lines: Mapping[tuple[str, tuple[int, int]], Line] = field(default_factory=dict)
 
     @property
     def notebook(self) -> bool:
@@ -169,7 +187,7 @@ class Job:
                 "source": s.source,
                 "needs": s.needs,
                 "returns": {name: vars(spec) for name, spec in s.returns.items()},
-                "apart": None if s.apart is None else [list(s.apart.families), s.apart.rows],
+                "apart": None if s.apart is None else [list(s.apart.families), len(s.apart.units)],
             }
             for s in self.scenes
         ]
@@ -186,6 +204,7 @@ class Job:
             "load_budget_s": self.load_budget_s,
             "scenes": scenes,
             "reference": self.reference.names if self.reference else (),
+            "formed": self.reference is not None and self.reference.formed,
         }
         return _encoded(document)
 
@@ -202,7 +221,7 @@ class Job:
         found, first = {}, 0
         for scene in self.scenes:
             if scene.apart is not None:
-                end = first + len(scene.apart.families) * scene.apart.rows
+                end = first + len(scene.apart.families) * len(scene.apart.units)
                 found[scene.name] = scene.apart.most_calls([counts.get(k, 0) for k in range(first, end)])
                 first = end
         return found

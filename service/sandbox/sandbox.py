@@ -35,6 +35,7 @@ class Sandbox:
         self.isolation, self.limits, self._first = isolation, limits, first
         self._zygote: Zygote | None = None
         self._plays = 0
+        self._waited_s = 0.0  # of children that have ended
         self.zygotes = 0  # started so far
         self.self_tested = False
         self.identity: Identity | None = None  # what the guest of the self-test reported
@@ -57,6 +58,14 @@ class Sandbox:
     def replaced(self) -> int:
         """The number of guests that have been replaced."""
         return max(0, self.zygotes - 1)
+
+    @property
+    def waited_s(self) -> float:
+        """The seconds that the guest and its children were ready to run and had no processor. Any thread may
+        ask while another plays.
+        """
+        zygote = self._zygote
+        return self._waited_s + (zygote.waited_s if zygote else 0.0)
 
     def copy(self) -> "Sandbox":
         """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. What the self-test has shown
@@ -162,10 +171,13 @@ class Sandbox:
         What a zygote that was lost or lacked a library has sent is discarded.
         """
         while True:
+            before = budget.waited_s
             try:
                 return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
             except LibraryNeeded as needed:
                 zygote.import_library(needed.library)
+            finally:
+                self._waited_s += budget.waited_s - before
 
     def close(self) -> None:
         """End the guest."""

@@ -201,9 +201,10 @@ class PlaySession:
         if end is self.control:
             self.ended = ChildExit.unpack(end.recv(REAPED.size))
             return False
-        data = end.read(CHUNK)
+        data = end.read(CHUNK if end is not self.counted else CHUNK // COUNT.size * COUNT.size)
         if end is self.counted:
-            self.calls.update(place for (place,) in COUNT.iter_unpack(data))
+            for place, calls in COUNT.iter_unpack(data):
+                self.calls[place] += calls
         elif end is self.printed:
             self._printed += len(data)
             self.output += data[: KEPT_OUTPUT - len(self.output)]
@@ -213,7 +214,7 @@ class PlaySession:
                 self.reader.feed(data)
             except ProtocolError:
                 self.stopped = Ended.PROTOCOL
-        if self._printed > MOST_OUTPUT or self._received > MOST_RESULT:
+        if self._printed > MOST_OUTPUT or self._received - self.reader.streamed > MOST_RESULT:
             self.stopped = Ended.OUTPUT
         return bool(data)
 

@@ -2,7 +2,8 @@
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event.
 Kind ``A`` are all arrays of the scene in progress: header length (2 bytes), JSON header of shapes by name,
-then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host
+then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claims.py), which blocks
+of numbers, kind ``D``, may follow. The host
 knows which arrays a scene returns, their element type and largest shape; anything else violates the protocol.
 """
 
@@ -11,11 +12,13 @@ import json
 import math
 import struct
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec
+from polhode.judging.claims import Claim
 from polhode.judging.notes import MOST_REMARKS, Absent, Notes
 from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox import claims
@@ -46,7 +49,7 @@ class Reader:
     loaded the assignment's code; only then does it run the submission. ``not_prepared`` says why that code
     failed. ``loaded`` is True once the cells have run; until then ``statement`` is the one that runs, or if
     ``out_of_time`` says that the time is spent, the one that took most of it. ``done`` is True after the last
-    frame.
+    frame. ``streamed`` counts the bytes of blocks.
     """
 
     def __init__(self, job: Job, result: PlayResult, on_scene: OnScene = ignore) -> None:
@@ -61,9 +64,12 @@ class Reader:
         sizes = [
             sum(math.prod(a.shape) * DTYPES[a.dtype].itemsize for a in s.returns.values()) for s in job.scenes
         ]
-        self._longest = MOST_JSON + max(sizes, default=0)
+        self._most = {b"J": MOST_JSON, b"A": MOST_JSON + max(sizes, default=0)}
+        self._most |= {b"C": claims.MOST_BYTES, b"D": claims.MOST_BLOCK}
         self._buffer = bytearray()
         self.loaded = False
+        self._lines, self.streamed = job.lines, 0
+        self._field: claims.Field | None = None
         self._claims, self._numbers = (
             {False: 0, True: 0},
             0,
@@ -73,19 +79,23 @@ class Reader:
         """Read more bytes. Raises ProtocolError as soon as they are invalid."""
         self._buffer += data
         for kind, payload in self._frames():
+            if (self._field is not None) is not (kind == b"D"):
+                raise ProtocolError("not the blocks of a claim")
             if self.done:
                 raise ProtocolError("bytes after the end")
             if kind == b"J":
                 self._event(_json(payload))
             elif kind == b"C":
                 self._claim(payload)
+            elif kind == b"D":
+                self._block(payload)
             else:
                 self._arrays(payload)
 
     def _frames(self) -> Iterator[tuple[bytes, bytes]]:
         while len(self._buffer) >= HEAD.size:
             kind, length = HEAD.unpack_from(self._buffer)
-            if length > {b"J": MOST_JSON, b"A": self._longest, b"C": claims.MOST_BYTES}.get(kind, -1):
+            if length > self._most.get(kind, -1):
                 raise ProtocolError("not a frame")
             if len(self._buffer) < HEAD.size + length:
                 return
@@ -108,6 +118,8 @@ class Reader:
                 self.result.defined = self._listed(event, "names")
                 self.result.missing = self._listed(event, "missing")
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
+            case "left-out" if not self.loaded:
+                self._leave_out(self._known(event, "cell", self._cells), _line(event.get("sentence")))
             case "start":
                 self.started = self._next(event)
                 self._on_scene(self.started)
@@ -182,21 +194,51 @@ class Reader:
         (length,) = HEADER.unpack_from(payload) if len(payload) >= HEADER.size else (0,)
         header, numbers = _json(payload[HEADER.size : HEADER.size + length]), payload[HEADER.size + length :]
         try:
-            cell, place, claim = claims.read(header, numbers, self._cells, text)
+            cell, place, claim, long = claims.read(header, numbers, self._cells, text)
+            shape = claims.shape_of(header, long) if long else ()
         except ValueError:
             raise ProtocolError("not a claim") from None
         self._claims[place is not None] += 1
         self._numbers += sum(array.nbytes // 8 for array in claim.arrays.values())
+        self._numbers += sum(shape.row * shape.shape[0] // 8 for shape in long.values())
         if (
             self._claims[False] > MOST_CLAIMS
             or self._claims[True] > MOST_REPORTED + MOST_CUT
             or self._numbers > 2 * MOST_IN_ALL
         ):
             raise ProtocolError("too many claims")
+        if long:
+            fixed, truth = self._lines.get((cell, place), ((), None)) if place else ((), None)
+            claim = replace(claim, numbers={**claim.numbers, **dict(fixed)})
+            self._field = claims.Field(
+                cell, place, claim, long, shape=shape, truth=truth() if truth else None
+            )
+        else:
+            self._keep(cell, place, claim)
+
+    def _block(self, payload: bytes) -> None:
+        """Judge one more block of the claim in progress."""
+        assert self._field is not None
+        try:
+            self._field.add(payload)
+        except ValueError:
+            raise ProtocolError("not a block of a claim") from None
+        self.streamed += HEAD.size + len(payload)
+        if self._field.complete:
+            self._keep(self._field.cell, self._field.place, replace(self._field.claim, arrays={}))
+            self._field = None
+
+    def _keep(self, cell: str, place: claims.Place, claim: Claim) -> None:
         if place is None:
             self.result.claims.append(claim.outcome(cell))
         else:
             self.result.reported.setdefault((cell, place), []).append(claim)
+
+    def _leave_out(self, cell: str, reason: str) -> None:
+        """Let the claims of a published cell count for nothing."""
+        for place, made in self.result.reported.items():
+            if place[0] == cell:
+                made[:] = [replace(claim, arrays={}, left_out=reason) for claim in made]
 
 
 @functools.lru_cache(maxsize=64)  # most answers of a scene have the same header

@@ -117,6 +117,11 @@ class Zygote:
             self._identity = Identity(**json.loads(message[len(READY) :]))
         return self._identity
 
+    @property
+    def waited_s(self) -> float:
+        """The seconds that the zygote and the children that it has now waited for a processor."""
+        return _waited(self._started.process.pid)
+
     def import_library(self, library: str) -> None:
         """Let the zygote import ``library``. Raises ZygoteLost."""
         self._send(IMPORT + library.encode())

@@ -41,11 +41,13 @@ class Claim(GradingJob):
     """A grading that a worker has claimed, with the id of its run and the name of the worker.
 
     ``may_wait`` says that it was requested less than LONGEST_WAIT ago: then it is put off while it is slow
-    and others wait.
+    and others wait. ``whose`` is the person; the submission itself on a server without logins, where one
+    person is everybody.
     """
 
     run: UUID
     worker: str
+    whose: UUID
     may_wait: bool = False
 
 
@@ -63,7 +65,8 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
     if found.given_up:
         await _record_fault(database, grading, found.submission_id)
         return None
-    return Claim(**_job_fields(grading, found), run=new_run, worker=worker, may_wait=found.may_wait)
+    fields = _job_fields(grading, found)
+    return Claim(**fields, run=new_run, worker=worker, whose=found.whose, may_wait=found.may_wait)
 
 
 async def _record_fault(database: Database, grading: UUID, submission_id: UUID) -> None:
@@ -183,12 +186,13 @@ async def notify_in(connection: Connection, submission_id: UUID, suffix: str = "
 
 _GRADING = f"""
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
+    CASE p.name WHEN 'local' THEN s.id ELSE p.id END AS whose,
     now() - a.requested_at < interval '{LONGEST_WAIT}' AS may_wait,
     r.grading_id IS NOT NULL AS finished,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'lost') AS lost,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'failed') AS failed
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
-    LEFT JOIN result r ON r.grading_id = a.id
+    JOIN person p ON p.id = s.person_id LEFT JOIN result r ON r.grading_id = a.id
 WHERE a.id = :grading
 """
 

@@ -10,7 +10,6 @@ import logging
 import os
 import signal
 import threading
-import time
 import uuid
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -22,10 +21,11 @@ from procrastinate import App
 from exercises.authoring.assignments.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
+from service.sandbox.guest_process import remove_abandoned
 from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, with_packages
-from service.sandbox.time_budget import TimeLimits
+from service.sandbox.time_budget import TimeLimits, processor_times
 from service.sandbox.untrusted_text import text
 from service.settings import Settings
 from service.store import runs, sweeps, workers
@@ -33,7 +33,7 @@ from service.store.artefacts import store_artefacts
 from service.store.database import Database, is_outage, patiently
 from service.store.queue import FIRST, LATER, SLOW, first_gradings_wait, new_app
 from service.store.schema import WrongSchema, check_schema
-from service.workers.pace import Pace
+from service.workers.pace import Pace, Stopwatch
 
 log = logging.getLogger(__name__)
 HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping rounds per lease
@@ -67,6 +67,7 @@ class Worker:
         self._limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
         self._grader: Grader | None = None
         self._thread = ThreadPoolExecutor(1)
+        self._thread_id = self._thread.submit(threading.get_native_id).result()
         self._clock = workers.ClockWatch()
         self._pace = Pace()
         self._app: App | None = None
@@ -87,6 +88,7 @@ class Worker:
             log.critical("housekeeping or taking jobs ended unexpectedly: this worker stops")
         housekeeping.cancel()
         await self._drain(taking)
+        self._end_guest()
         await self._database.close()
 
     async def _wait_for_tables(self) -> bool:
@@ -120,6 +122,7 @@ class Worker:
         """
         while not self._stopping.is_set():
             try:
+                await asyncio.to_thread(remove_abandoned)
                 isolation = await asyncio.to_thread(
                     choose, self._settings.min_isolation, self._settings.allow_root_guest
                 )
@@ -166,17 +169,17 @@ class Worker:
         if claimed is None:
             return
         self._claimed, self._progress = claimed, ("starting", 0, 0)
-        began, slow_after = time.monotonic(), self._pace.slow_after(claimed.assignment)
         assert self._grader is not None
         cancelled = self._grader.sandbox.cancelled
-        heartbeats = asyncio.create_task(self._send_heartbeats(claimed, cancelled, began + slow_after))
+        watch, slow_after = Stopwatch(self._waited_s), self._pace.slow_after(claimed.assignment)
+        heartbeats = asyncio.create_task(self._send_heartbeats(claimed, cancelled, watch, slow_after))
         try:
             report, artefacts = await self._call(
                 self._grader.grade_and_pack,
                 claimed.submission, claimed.assignment, claimed.seed, self._set_progress,
                 within=self._grader.longest_s(claimed.assignment),
             )  # fmt: skip
-            slow = time.monotonic() - began > slow_after
+            slow = watch.seconds() > slow_after
             first = await patiently(
                 partial(runs.finish, self._database, claimed, report, artefacts, slow=slow), PATIENCE_S
             )
@@ -193,7 +196,7 @@ class Worker:
             heartbeats.cancel()
             cancelled.clear()
             self._claimed = None
-            self._pace.note(claimed.assignment, time.monotonic() - began)
+            self._pace.note(claimed.assignment, claimed.whose, watch.seconds())
 
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
@@ -245,15 +248,22 @@ class Worker:
         """Called in the grading thread."""
         self._progress = phase, scene, scenes
 
-    async def _send_heartbeats(self, claimed: runs.Claim, cancelled: threading.Event, slow_at: float) -> None:
-        """Send heartbeats of the run; set ``cancelled``, which ends its play, once it is superseded, or if
-        others wait for a first report from the time ``slow_at`` on, at which it is found to be slow.
+    def _waited_s(self) -> float:
+        """Return the seconds that the grading thread and the sandbox have waited for a processor."""
+        assert self._grader is not None
+        return processor_times(self._thread_id)[1] + self._grader.sandbox.waited_s
+
+    async def _send_heartbeats(
+        self, claimed: runs.Claim, cancelled: threading.Event, watch: Stopwatch, slow_after: float
+    ) -> None:
+        """Send heartbeats of the run; set ``cancelled``, which ends its play, once it is superseded, or once
+        it has taken ``slow_after`` seconds of its ``watch`` and others wait for a first report.
         """
         while True:
             await asyncio.sleep(self._heartbeat_s)
             with _suppress_outages():
                 goes_on = await runs.heartbeat(self._database, claimed, *self._progress)
-                if goes_on and time.monotonic() > slow_at and claimed.may_wait and self._app is not None:
+                if goes_on and claimed.may_wait and watch.seconds() > slow_after and self._app is not None:
                     goes_on = not await first_gradings_wait(self._app)
                 if not goes_on:
                     cancelled.set()
@@ -299,7 +309,14 @@ class Worker:
         if taking.done():
             return
         await self._release("released", "the worker was stopped")
+        self._end_guest()
         os._exit(0)  # without cleanup: a clean exit would make Procrastinate mark the job as finished
+
+    def _end_guest(self) -> None:
+        """Kill the guest, which removes what submissions left in its folder."""
+        if self._grader is not None:
+            with contextlib.suppress(Exception):
+                self._grader.sandbox.close()
 
     async def _release(self, end_reason: str, note: str) -> None:
         """Queue the unfinished grading again, unless the database does not answer: then its run is lost."""

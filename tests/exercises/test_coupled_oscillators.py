@@ -167,20 +167,22 @@ def test_the_fit_to_the_file_is_the_zero_of_the_gradient():
     J = mpmath.matrix([[rate / s for rate in rates(q, A, B)] for q, _, s in data])
     covariance, speed = mpmath.inverse(J.T * J), mpmath.sqrt(A + 4 * B)
     slope = mpmath.matrix([1, 4]) / (2 * speed)
-    close(file.numbers["best"], np.array([float(A), float(B)]))
-    close(file.numbers["chi2"], float(sum(((omega(q, A, B) - y) / s) ** 2 for q, y, s in data)))
-    close(file.numbers["speed"], float(speed))
-    close(file.numbers["speed_error"], float(mpmath.sqrt((slope.T * covariance * slope)[0])))
+    numbers = next(q.known for q in file.notebook.questions() if "best" in q.variables)
+    close(numbers["best"], np.array([float(A), float(B)]))
+    close(numbers["chi2"], float(sum(((omega(q, A, B) - y) / s) ** 2 for q, y, s in data)))
+    close(numbers["speed"], float(speed))
+    close(numbers["speed_error"], float(mpmath.sqrt((slope.T * covariance * slope)[0])))
 
 
 def test_the_data_are_those_of_the_stated_seed():
     q = np.arange(1, 25) / 8
-    omega = file.by_neighbours(q, 47.0, 4.6)
+    omega = file.frequency_by_neighbours(q, 47.0, 4.6)
     sigma = np.round(0.05 + 0.01 * omega, 3)
     y = omega + sigma * np.random.default_rng(2300).normal(size=24)
-    assert np.array_equal(file.q_data, q)
-    assert np.array_equal(file.sigma_data, sigma)
-    assert np.array_equal(file.omega_data, np.round(y, 3))
+    q_data, omega_data, sigma_data = np.loadtxt(FOLDER / "dispersion.csv", delimiter=",", unpack=True)
+    assert np.array_equal(q_data, q)
+    assert np.array_equal(sigma_data, sigma)
+    assert np.array_equal(omega_data, np.round(y, 3))
 
 
 RIGHT = {
@@ -441,8 +443,10 @@ def fit_dispersion(q, omega, sigma):
 def test_a_degenerate_space_may_be_turned_within_itself_only(coupled, angle):
     question = next(q for q in coupled.notebook.questions() if q.function == "triangle_modes")
 
+    right = question.student["triangle_modes"]
+
     def turned(m, k):
-        omega, X = file.triangle_modes(m, k)
+        omega, X = right(m, k)
         X = X.copy()
         X[:, [3, 4]] = X[:, [3, 4]] @ np.array([[0.6, -0.8], [0.8, 0.6]])
         X[:, [4, 5]] = X[:, [4, 5]] @ np.array(

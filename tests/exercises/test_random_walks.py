@@ -25,7 +25,10 @@ def label(question):
 
 QUESTIONS = {label(question): question for question in notebook.questions()}
 WALK = "walk: neither walkers nor steps repeat or mirror each other"
+FAR = "walk: every step of a walk beyond 128 places is +1 or −1"
 BROWNIAN = "brownian: all particles start at the origin"
+MANY = "brownian: steps are as often far from their mean as normal numbers"
+POINTS = "integrate calls f at n different points"
 
 
 def exact(name, rows=4):
@@ -70,7 +73,7 @@ def test_the_squared_error_is_the_variance_of_all_resampled_means():
     r = np.random.default_rng(1).normal(size=(4, 3, 2))
     square = ((r - r[:, :1]) ** 2).sum(axis=2)
     means = np.array([square[list(drawn)].mean(axis=0) for drawn in itertools.product(range(4), repeat=4)])
-    msd, error = walks.by_moments(r)
+    msd, error = QUESTIONS["mean_square is right: msd"].truth(r)
     np.testing.assert_allclose(msd, means.mean(axis=0), rtol=1e-13)
     np.testing.assert_allclose(error**2, means.var(axis=0) * 4 / 3, rtol=1e-12)
 
@@ -94,7 +97,8 @@ def test_the_propagator_of_the_declared_variance_solves_the_diffusion_equation()
 def test_the_fit_is_that_of_newton_steps_in_50_digits():
     rows, truth = exact("fit_diffusion", 2)
     with mpmath.workdps(50):
-        times, sigma = [mpmath.mpf(t) for t in walks.times], [mpmath.mpf(s) for s in 0.12 * walks.times]
+        times = [mpmath.mpf(t) for t in np.geomspace(0.1, 10, 15)]
+        sigma = [mpmath.mpf(s) for s in 0.12 * np.geomspace(0.1, 10, 15)]
         for msd, p, covariance in zip(rows["msd"], truth["parameters"], truth["covariance"], strict=True):
             K, alpha = mpmath.mpf(1), mpmath.mpf("0.8")
             for _ in range(30):
@@ -132,7 +136,8 @@ def test_the_integral_and_its_spread_are_those_of_a_product_rule():
 def test_the_numbers_of_the_track_are_those_of_exact_integers():
     lines = Path(walks.__file__).with_name("track.csv").read_text().split()[1:]
     track = [[round(Fraction(number) * 10_000) for number in line.split(",")] for line in lines]  # in 1e-4 µm
-    drift, D, D_error, k_B = walks.by_sums(np.array(track) / 10_000, 0.5, 295.15, 9.5e-4, 0.5)
+    truth = QUESTIONS["boltzmann is right: drift"].truth
+    drift, D, D_error, k_B = truth(np.array(track) / 10_000, 0.5, 295.15, 9.5e-4, 0.5)
     n, variances = len(track) - 1, []
     for k in (0, 1):
         step = [b[k] - a[k] for a, b in itertools.pairwise(track)]
@@ -249,11 +254,81 @@ def integrate(f, L, n, rng):
     mean = L**3 * sum(f(*point) for point in points) / n
     return mean, np.sqrt(sum((L**3 * f(*point) - mean) ** 2 for point in points) / n / (n - 1))
 """
+SMALL = """
+def walk(walkers, steps, p, rng):
+    step = np.where(rng.random((walkers, steps)) < p, 1, -1).astype(np.int8)
+    return np.insert(np.cumsum(step, axis=1, dtype=np.int8), 0, 0, axis=1)
+"""
+CHILD = """
+def walk(walkers, steps, p, rng):
+    child = np.random.default_rng(rng.integers(2**63))
+    return np.insert(np.cumsum(1 - 2 * (child.random((walkers, steps)) >= p), axis=1), 0, 0, axis=1)
+"""
+SPAWNED = """
+def brownian(walkers, t, D, rng):
+    spread = np.sqrt(2 * D * np.diff(t))
+    paths = [[child.normal(0, spread).cumsum() for _ in "xy"] for child in rng.spawn(walkers)]
+    return np.insert(np.swapaxes(paths, 1, 2), 0, 0, axis=1)
+"""
+SINGLY = """
+def brownian(walkers, t, D, rng):
+    r = np.zeros((walkers, len(t), 2))
+    for i in range(walkers):
+        for j in range(len(t) - 1):
+            r[i, j + 1] = r[i, j] + rng.normal(0, (2 * D * (t[j + 1] - t[j])) ** 0.5, 2)
+    return r
+"""
+OF_NORMALS = """
+def brownian(walkers, t, D, rng):
+    {normal}
+    return np.insert(np.cumsum(normal * np.sqrt(2 * D * np.diff(t))[:, None], axis=1), 0, 0, axis=1)
+"""
+TWELVE = OF_NORMALS.format(normal="normal = rng.random((12, walkers, len(t) - 1, 2)).sum(axis=0) - 6")
+TOGETHER = OF_NORMALS.format(
+    normal="normal = rng.multivariate_normal([0, 0], [[1, 0.3], [0.3, 1]], (walkers, len(t) - 1))"
+)
+SAME_SIZE = OF_NORMALS.format(
+    normal="n = len(t) - 1; normal = rng.normal(size=(walkers, n, 1)) * rng.choice([-1, 1], (walkers, n, 2))"
+)
+OF_POINTS = """
+def integrate(f, L, n, rng):
+    x, y, z = {points}
+    found = L**3 * f(x, y, z)
+    return found.mean(), {error}.std(ddof=1) / np.sqrt(n)
+"""
+RANDOM, FOUND = "rng.uniform(0, L, (3, n))", "found"
+SHORT = OF_POINTS.format(points="rng.uniform(0, L, (3, n - 1))", error=FOUND)
+OTHERS = OF_POINTS.format(points=RANDOM, error="(L**3 * f(*rng.uniform(0, L, (3, n))))")
+AGAIN = OF_POINTS.format(points=RANDOM, error="(L**3 * f(x, y, z))")
+IN_LAYERS = OF_POINTS.format(
+    points="(np.arange(n) + rng.random(n)) * L / n, *rng.uniform(0, L, (2, n))", error=FOUND
+)
+IN_HALVES = OF_POINTS.format(
+    points="*rng.uniform(0, L, (2, n)), (np.arange(n) % 2 + rng.random(n)) * L / 2", error=FOUND
+)
+IN_SINGLE_PRECISION = OF_POINTS.format(points="L * rng.random((3, n), dtype=np.float32)", error=FOUND)
 
 
 @pytest.mark.parametrize(
     ("name", "source", "wrong"),
     [
+        (FAR, BACKWARDS, []),
+        (FAR, CHILD, []),
+        (FAR, SMALL, ["value"]),
+        ("steps of walk", CHILD, []),
+        (MANY, POLAR, []),
+        (MANY, SPAWNED, []),
+        (MANY, SINGLY, []),
+        (MANY, TWELVE, ["kurtosis"]),
+        (MANY, TOGETHER, ["together"]),
+        (MANY, SAME_SIZE, ["together"]),
+        (POINTS, ONE_BY_ONE, []),
+        (POINTS, AGAIN, []),
+        (POINTS, IN_SINGLE_PRECISION, []),
+        (POINTS, SHORT, ["number"]),
+        (POINTS, OTHERS, ["number"]),
+        (POINTS, IN_LAYERS, ["evenness"]),
+        (POINTS, IN_HALVES, ["evenness"]),
         ("steps of walk", BACKWARDS, []),
         ("sums of places of walk", BACKWARDS, []),
         (WALK, BACKWARDS, []),
@@ -301,3 +376,23 @@ def failed(name, source, draws=1):
     }
     outcomes = [check.judge([seen], [truth]) for check in question_checks(question.asked, "scene", False)]
     return [outcome.id.rpartition("-")[2] for outcome in outcomes if outcome.verdict is not Verdict.PASS]
+
+
+def test_right_numbers_are_far_from_the_limits_of_the_tests_of_one_statistic():
+    """Each limit is at least 6.4 times the spread, here of 60 gradings."""
+    rng, L = np.random.default_rng(8), 1.5
+    t = np.linspace(0, 1, 401)
+    brownian, many = QUESTIONS[MANY].student["brownian"], walks_observation(MANY)
+    found = np.array([many(brownian, t, 0.5, seed) for seed in range(60)])
+    assert np.abs(found[:, 0] - 3).max() < 0.07 / 1.5 and found[:, 0].std() < 0.07 / 5.5
+    assert found[:, 1].max() < 0.022 / 1.5
+    points = rng.uniform(0, L, (60, 400, 65, 3)) / L
+    even = [walks.evenness(one) for one in points]
+    assert max(np.abs(even)) < 0.4
+
+
+def walks_observation(name):
+    """Return the function that observes a solution in the question with this label."""
+    scope = {"np": np}
+    exec(QUESTIONS[name].call, scope)
+    return scope["observed"]

@@ -36,7 +36,7 @@ class Server:
             )
 
     def wait_ready(self, path: str = "/readyz") -> "Server":
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 240
         while time.monotonic() < deadline and self.process.poll() is None:
             try:
                 urllib.request.urlopen(f"{self.url}{path}", timeout=5).close()

@@ -68,6 +68,19 @@ def find_root(f, a, b, tol):
 """,
 }
 
+FORGED["many places at once"] = """
+def find_root(f, a, b, tol):
+    for _ in range(12):
+        x = np.linspace(a, b, 17)
+        try:
+            y = f(x)
+        except ValueError:  # not for arrays
+            return bisect(f, a, b)
+        above = int(np.argmax(y > 0))
+        a, b = x[above - 1], x[above]
+    return (a + b) / 2
+"""
+
 
 @pytest.fixture(scope="module")
 def waves():

@@ -58,8 +58,8 @@ def test_what_is_not_filled_in_costs_only_itself(form, rigid_body, sandbox):
 FORGED = """
 import json, os, struct
 def claim(**changed):
-    header = {"kind": "check", "label": "forged", "detail": "", "unfit": "", "left_out": ""}
-    header |= {"cell": "submission.py", "numbers": {}, "arrays": {"condition": []}} | changed
+    header = {"kind": "check", "label": "forged", "detail": "", "mark": "", "own": "", "left_out": ""}
+    header |= {"cell": "submission.py", "numbers": {}, "arrays": {"passed": []}, "unjudged": ""} | changed
     head = json.dumps(header).encode()
     payload = struct.pack("<H", len(head)) + head + struct.pack("<d", 1.0)
     os.write(4, struct.pack("<cI", b"C", len(payload)) + payload)
@@ -69,14 +69,14 @@ def claim(**changed):
 def test_forged_claims_are_lines_and_nothing_else(rigid_body, sandbox):
     plain = graded(EULER.encode(), "a.py", rigid_body, sandbox)
     forged = graded((FORGED + "claim(label='<b>x</b>')\n" + EULER).encode(), "a.py", rigid_body, sandbox)
-    assert [check.line for check in forged.notebook_checks] == ["✓  <b>x</b>   [True]"]
+    assert [check.line for check in forged.notebook_checks] == ["✓  <b>x</b>"]
     assert "<b>x" not in html(forged) and "&lt;b&gt;x" in html(forged)
     alone = document(forged) | {"notebook_checks": []}
     assert alone == document(plain) and plain.notebook_checks == []
 
 
 def test_a_forged_frame_that_is_no_claim_is_a_broken_protocol(rigid_body, sandbox):
-    report = graded((FORGED + "claim(kind='perfect')\n" + EULER).encode(), "a.py", rigid_body, sandbox)
+    report = graded((FORGED + "claim(kind='no word')\n" + EULER).encode(), "a.py", rigid_body, sandbox)
     assert report.score == 0 and report.notebook_checks == []
 
 
@@ -86,15 +86,18 @@ def test_a_wrong_claim_of_a_right_function_costs_nothing(rigid_body, sandbox):
         "eig, I_box = np.zeros(3), np.ones(3)",
         code()["validation-1"],
         "validate.conserved(np.zeros(70_000), 'long')",
+        "validate.conserved(np.broadcast_to(0.0, 10**7 + 1), 'longer')",
     ]
     cells.append("for k in range(200):\n    validate.check(True, f'claim {k}')")
     report = graded(as_ipynb(cells), "a.ipynb", rigid_body, sandbox)
-    first, long, *_, last = report.notebook_checks
+    first, long, longer, *_, last = report.notebook_checks
     assert report.passed and first.verdict is Verdict.FAIL and first.cell == "cell 3"
-    assert long.line == "–  long   [not measured: 70000 numbers; one check may have at most 65536]"
+    assert long.line == "✓  long   [max relative drift = 0 (limit 0.0001)]"
+    reported = "as your notebook reports it, not judged again: 10000001 numbers"
+    assert longer.line.startswith("✓  longer   [max") and reported in longer.line
     assert (
         len(report.notebook_checks) == 101
-        and last.line == "–  102 more checks   [not measured: at most 100 are accepted]"
+        and last.line == "–  103 more checks   [not measured: at most 100 are accepted]"
     )
 
 

@@ -15,6 +15,7 @@ from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from tests.support.assignments import change, known
@@ -433,9 +434,10 @@ FORGED = (
 @pytest.mark.parametrize(
     ("solution", "mark"),
     [
-        ("total = []\n", "f"),
+        ("total = []\n", "u"),
         (FORGED.format("validate.check(True, 'forged')"), "u"),
-        (FORGED.format("validate.close(1.0, 1.0, 'forged', rtol=float('inf'))"), "f"),
+        (FORGED.format("validate.close(1.0, 1.0, 'forged', rtol=float('inf'))"), "u"),
+        ("total = np.full(3, np.inf)\n", "f"),
     ],
 )
 def test_only_the_published_call_with_its_own_tolerance_earns_points(tmp_path, sandbox, solution, mark):
@@ -546,7 +548,7 @@ def test_verify_of_an_imported_notebook_names_no_line_as_untested(rings, capsys)
 
 COURSE = {
     "__init__.py": "from . import draw, shapes, validate\n",
-    "validate.py": "import sys\n\nfrom polhode.judging import validate\n\nsys.modules[__name__] = validate\n",
+    "validate.py": "def check(ok, label, strict=True):\n    print('✓' if ok else '✗', '', label)\n",
     "shapes.py": (
         "import numpy as np\n\nfrom . import draw\nfrom .rounding import digits\n\n\n"
         "def side(area):\n    return digits(np.sqrt(area)), draw.PEN\n"
@@ -614,12 +616,103 @@ def test_complex_numbers_are_compared(tmp_path, sandbox):
     change(home / "assignment.py", 'line("the state")', 'line("the state", truth=(0.6, 0.8j))')
     right = (
         "state = [0.6 + 1e-12j, 0.8j]\n",
-        "energy = np.array(2 + 0j, dtype=object)\n",
+        "energy = np.array(2 + 0j)\n",
         "norms = np.array([1 + 0j, 1 + 0j])\n",
     )
-    wrong = ("state = [0.6, -0.8j]\n", "energy = 2j\n", "norms = np.array([1j, 1j])\n")
+    wrong = ("state = [0.6, -0.8j]\n", "energy = 2j\n", "norms = np.array([1 + 0j, 1j])\n")
     with known(home) as found:
         assignment = found.valid["states"]
         assert marks(report(assignment, sandbox, published(right, checks=lines))) == "ppp"
         made = report(assignment, sandbox, published(wrong, checks=lines))
-    assert marks(made) == "fff" and "series is complex128, not real numbers" in made.outcomes()[2].line
+    assert marks(made) == "fff" and "max relative drift = 1 (" in made.outcomes()[2].line
+
+
+STRICT = (
+    'validate.close(total, 10, "ten")\nok = validate.check(total > 0, "positive", f"sum {total}")\n',
+    (
+        'for n, x in enumerate(powers):\n    validate.close(x, 2**n, f"power {n}")\n'
+        '    validate.check(x > 1, "above")\n'
+    ),
+    'try:\n    validate.check(area < 0, "negative")\nexcept AssertionError:\n    area = 3.0\n'
+    'validate.close(area, 3.0, "three", strict=False)\n',
+)
+OWN = "total = 11\nvalidate.close(total, 10, 'mine')\nafter = 1\n"
+
+
+def test_a_strict_cross_ends_its_statement_and_no_other_of_a_given_cell(tmp_path, sandbox):
+    with known(imported_folder(tmp_path, "strict-lines", published(checks=STRICT))) as found:
+        made = report(
+            found.valid["strict-lines"],
+            sandbox,
+            published((OWN, "powers = [1, 2]\n", "area = 1.0\n"), checks=STRICT),
+        )
+    assert [outcome.line for outcome in made.outcomes()] == [
+        "✗  ten   [got 11 vs expected 10 (rtol=1e-06, atol=1e-09)]",
+        "✓  positive   [sum 11]",
+        "–  power {n}   [not measured: another line of its loop is ✗, which ends the loop]",
+        "✗  above",
+        "✗  negative",
+        "✓  three   [got 3 vs expected 3 (rtol=1e-06, atol=1e-09)]",
+    ]
+    assert [check.line for check in made.notebook_checks] == [
+        "✗  mine   [got 11 vs expected 10 (rtol=1e-06, atol=1e-09)]"
+    ]
+    assert made.scene_ends == [], "the line says it"
+
+
+@pytest.mark.parametrize(
+    "patch",
+    [
+        "import builtins\nbuiltins.print = lambda *a, **k: None\n",
+        "print = lambda *a, **k: None\n",
+        "import sys\nsys.stdout = None\n",
+        "import ecp.validate as v\nv.check = lambda *a, **k: True\n",
+        "import ecp.validate as v\nv.close.__wrapped__.__code__ = (lambda *a, **k: True).__code__\n",
+        "import numpy as n\nn.asarray = lambda *a, **k: n.zeros(1)\nn.allclose = lambda *a, **k: True\n",
+    ],
+)
+def test_what_a_submission_patches_changes_only_its_own_lines(sums, sandbox, patch):
+    made = report(sums, sandbox, published((f"total = 11\n{patch}", *SOLUTIONS[1:])))
+    assert [outcome.line for outcome in made.outcomes()][:2] == [
+        "✗  twice the sum is 20   [got 22 vs expected 20 (rtol=1e-06, atol=1e-09)]",
+        "✓  the sum is positive   [sum 11]",
+    ]
+
+
+def test_a_large_field_is_judged_with_the_truth(tmp_path, sandbox):
+    checks = ('validate.close(field, field, "field")\n', 'validate.close(field, 0.0, "zero")\n', "x = 1\n")
+    home = imported_folder(tmp_path, "fields", published(checks=checks))
+    change(home / "assignment.py", 'line("field")', 'line("field", truth=1.0)')
+    field = "field = np.ones((3, 400_000))\n"
+    solution = ("", f"{field}field[2, -1] += 1e-3\n", HIDDEN)
+    with known(home) as found:
+        made = report(found.valid["fields"], sandbox, published((field, *solution[1:]), checks=checks))
+        wrong = report(found.valid["fields"], sandbox, published((solution[1], *solution[1:]), checks=checks))
+    tolerance = "(rtol=1e-06, atol=1e-09)]"
+    assert [outcome.line for outcome in made.outcomes()] == [
+        f"✓  field   [max|Δ| = 0 {tolerance}",
+        f"✗  zero   [max|Δ| = 1.001 {tolerance}",
+    ]
+    assert wrong.outcomes()[0].line == f"✗  field   [max|Δ| = 0.001 {tolerance}"
+
+
+def test_a_broken_course_package_is_a_system_fault(tmp_path, sandbox_of_this_course):
+    folder, play = sandbox_of_this_course
+    written(folder / "lab", "validate.py", "x = 1\n1 / 0\n")
+    with pytest.raises(SystemFault, match=r"course/lab/validate.py, line 2: ZeroDivisionError"):
+        play()
+
+
+@pytest.fixture
+def sandbox_of_this_course(tmp_path):
+    """A folder of a course, and a function that grades a notebook which imports its package ``lab``."""
+    home = imported_folder(
+        tmp_path, "own-lab", notebook(("code", "a", ["validation"], f"from lab import validate\n{REUSED[0]}"))
+    )
+    written(tmp_path / "course" / "lab", "__init__.py", "")
+
+    def play():
+        with known(home) as found, contextlib.closing(Sandbox(choose("namespaces"))) as own:
+            return report(found.valid["own-lab"], own, bare("x = 1.0\n"))
+
+    return tmp_path / "course", play

@@ -4,7 +4,7 @@ as they are in the sandbox and by students, who find them after all that is inst
 Where none is beside them, an assignment's own folder ``course`` provides its packages.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from exercises.authoring.assignments import catalogue
@@ -24,6 +24,14 @@ def names(*more: Path) -> set[str]:
     """Return the names of the packages and modules in them, and in the folders ``more`` that exist."""
     known = [*folders(), *(folder for folder in more if folder.is_dir())]
     return {path.stem for folder in known for path in folder.iterdir() if _is_importable(path)}
+
+
+def sources(imported: Collection[str], *more: Path) -> Iterator[Path]:
+    """Yield the Python files of the packages and modules among these names, in them and in ``more``."""
+    for folder in [*folders(), *(folder for folder in more if folder.is_dir())]:
+        for path in folder.iterdir():
+            if path.stem in imported and _is_importable(path):
+                yield from path.rglob("*.py") if path.is_dir() else (path,)
 
 
 def files() -> dict[str, bytes]:

@@ -51,5 +51,23 @@ def version(name: str) -> str:
     )
 
 
+def with_requirements(names: Iterable[str]) -> dict[str, metadata.Distribution]:
+    """Return these distributions and their requirements by name, as far as they are installed."""
+    todo, found, done = set(names), dict[str, metadata.Distribution](), set[str]()
+    while todo:
+        name = todo.pop()
+        done.add(name)
+        try:
+            found[name] = metadata.distribution(name)
+        except metadata.PackageNotFoundError:
+            continue
+        # parsing all of the header, as ``requires`` does, takes 20 ms
+        header = (found[name].read_text("METADATA") or "").partition("\n\n")[0]
+        lines = re.findall(r"^Requires-Dist: (.+)$", header, re.MULTILINE)
+        required = [line for line in lines if "extra ==" not in line]
+        todo |= {re.split(r"[ <>=!~;\[(]", line, maxsplit=1)[0].lower() for line in required} - done
+    return found
+
+
 def _installed(name: str) -> bool:
     return bool(name) and any(metadata.distributions(name=name))

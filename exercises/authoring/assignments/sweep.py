@@ -26,6 +26,7 @@ NOTEBOOKS = ("DOP853", 1e-11)
 ENOUGH = 1e-8
 SINGLE = 2.0**-23
 REPEATED = 3
+ALIKE = (0.8, 1.25)  # ratios of times that say nothing on a machine with other work
 LITTLE = 0.2  # a share of the time that is not worth saving
 ENOUGH_OF_STEPPERS = 1e-3
 MOST_CALLS = 10**8  # of a run of a stepper
@@ -56,7 +57,7 @@ def result(scene: str, function: str, seen: Arrays, errors: Sequence[Any], most_
 
 def compared(mine: SweepResult, right: SweepResult | None, sweep: Sweep, function: str) -> SweepResult:
     """Return ``mine`` beside the right solution's result, with the lines of the chart and the text below it:
-    what a call costs, where the time goes, and which solver would do.
+    which solver is enough, what a call costs, and where the time goes.
     """
     kappa = sweep.sensitivity() if sweep.sensitivity else None
     if mine.per_call:
@@ -84,8 +85,9 @@ def _of_solvers(
     cost = f"one call of {function} takes {_us(per_call)}"
     if right:
         ratio = per_call / max(right.per_call[0], 1e-9)
-        cost += f", of the solution {_us(right.per_call[0])} (×{ratio:.2g})"
-    noise = f"crosses: {len(stopped)} of {len(mine.points)} runs were stopped at rounding noise"
+        beside = f"of the solution {_us(right.per_call[0])} (×{ratio:.2g})"
+        cost += ", about as long as of the solution" if ALIKE[0] < ratio < ALIKE[1] else f", {beside}"
+    noise = f"{len(stopped)} of {len(mine.points)} runs were stopped at rounding noise (crosses)"
     arrived = [p for p in mine.points if p.error is not None]
     enough = [p for p in arrived if p.error is not None and p.error <= target]
     if not enough:
@@ -96,22 +98,30 @@ def _of_solvers(
                 "this is what single precision does, in which rounding moves the motion by up to κ·2⁻²³ ="
                 f" {kappa * SINGLE:.1g}: let {function} compute and return float64"
             )
-        missed = f"no run gets below an error of {least:.1g}, and {target:g} is allowed: {why}"
-        return [missed, cost, *([noise] if stopped else [])]
+        missed = f"no run gets below an error of {least:.3g}, and {target:g} is allowed: {why}"
+        return [missed, *([noise] if stopped else [])]
     own = next(p for p in mine.points if (p.method, p.rtol) == NOTEBOOKS)
     share = min(own.calls * per_call, own.seconds)
-    spent = f"{own.method} at rtol {own.rtol:g} makes {own.calls} calls in {_ms(own.seconds)}"
-    helps = "fewer calls help, a faster function does not"
-    if share > LITTLE * own.seconds:
-        helps = "fewer calls help more than a faster function"
-    if share > own.seconds / 2:
-        helps = "a faster function helps most"
     best = min(enough, key=lambda p: p.seconds)
-    would = (
-        f"{best.method} at rtol {best.rtol:g} would do: it has an error of {best.error:.1g}, within the"
-        f" tolerance of {target:g}, in {_ms(best.seconds)}"
+    enough_is = (
+        f"{best.method} at rtol {best.rtol:g} is enough: it has an error of {best.error:.2g}, and {target:g}"
+        f" is allowed, in {_ms(best.seconds)}"
     )
-    return [cost, f"{spent}, {_ms(share)} of it in {function}: {helps}", would, *([noise] if stopped else [])]
+    spent = f"{own.method} at rtol {own.rtol:g} makes {own.calls} calls in {_ms(own.seconds)}"
+    like = min(per_call, right.per_call[0]) if right else 0.0
+    saved = share * (1 - like / per_call)
+    faster = (
+        "a function as fast as the solution would save" if right else "a faster function would save up to"
+    )
+    helps = f"{faster} {_ms(saved)} of these"
+    if saved < LITTLE * own.seconds:
+        helps = "fewer calls help, a faster function does not"
+    return [
+        enough_is,
+        cost,
+        f"{spent}, {_ms(share)} of it in {function}: {helps}",
+        *([noise] if stopped else []),
+    ]
 
 
 def _seconds(run: Callable[[], object]) -> float:
@@ -163,11 +173,10 @@ def result_of_steppers(
             default=None,
         )
         if enough:
-            parts.append(f"{name} {enough.calls} calls and {enough.seconds * 1e3:.3g} ms")
-        else:
-            parts.append(
-                f"{name} more than {max(p.calls for p in own)} calls" if own else f"{name} was not measured"
-            )
+            reached = f"{enough.error:.2g} in {_ms(enough.seconds)}"
+            parts.append(f"{name} {enough.calls} calls (it reaches {reached})")
+        elif own:
+            parts.append(f"{name} more than {max(p.calls for p in own)} calls")
     return SweepResult(
         scene=scene, points=points, line=f"for an error of {ENOUGH_OF_STEPPERS:g}: " + ", ".join(parts)
     )

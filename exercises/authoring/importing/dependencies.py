@@ -1,25 +1,37 @@
 """What the code of a published notebook needs besides itself: distributions and data files."""
 
 import ast
+import contextlib
 import importlib.metadata
 import re
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from exercises.authoring.assignments import course_packages
+from exercises.authoring.assignments.packages import SANDBOX, with_requirements
 from exercises.authoring.questions.author_notebook import Cell
 
 DATA_FILE = re.compile(r"(?!\.)[\w\-. ]+\.(csv|txt|dat|tsv|npy|npz|json|h5|fits)")
+NAMED = re.compile(r"\s*([A-Za-z0-9][\w.-]*)")
 AVAILABLE = {"polhode", "numpy", "scipy", "matplotlib", "mpl_toolkits"}
 
 
-def dependencies(
-    cells: Sequence[Cell], folder: Path, course: Path
-) -> tuple[list[str], dict[str, bytes], list[str]]:
-    """Return what the code cells import and read: the packages to name in the declaration, the data files in
-    ``folder`` that the code names, and warnings about what is missing. ``course`` is the folder for the
-    course's own packages, which may not exist.
+class Dependencies(NamedTuple):
+    """The ``packages`` to name in a declaration, the data ``files`` that the code names, warnings, and the
+    modules that are ``lacking``: not installed on this machine.
+    """
+
+    packages: list[str]
+    files: dict[str, bytes]
+    warnings: list[str]
+    lacking: list[str]
+
+
+def dependencies(cells: Sequence[Cell], folder: Path, course: Path) -> Dependencies:
+    """Return what the code cells, and the course's packages that they import, import and read. Data files are
+    in ``folder``; ``course`` is the folder for the course's own packages, which may not exist.
     """
     nodes = [node for cell in cells for node in cell.nodes]
     texts = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
@@ -31,17 +43,29 @@ def dependencies(
         if name not in files
     ]
     warnings += _aliases(nodes)
-    known, packages = importlib.metadata.packages_distributions(), set[str]()
+    known = importlib.metadata.packages_distributions()
     given = AVAILABLE | course_packages.names(course) | set(sys.stdlib_module_names)
-    for name in sorted(_imported(nodes) - given):
-        if name in known:
-            packages.add(known[name][0])
-        else:
-            warnings.append(
-                f"{name} is not installed on this machine: install it, and name it in packages; or name the"
-                " folder of the course's package with --package"
-            )
-    return sorted(packages), files, warnings
+    imported = _imported(nodes)
+    imported |= _imported(
+        [node for path in course_packages.sources(imported, course) for node in _nodes(path)]
+    )
+    needed = sorted(imported - given)
+    packages = {known[name][0] for name in needed if name in known} - with_requirements(SANDBOX).keys()
+    return Dependencies(sorted(packages), files, warnings, [name for name in needed if name not in known])
+
+
+def requirements(path: Path) -> dict[str, str]:
+    """Return the lines of a requirements.txt that name a distribution, by its name as a module is written."""
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    found = {
+        match[1].lower().replace("-", "_"): line.strip() for line in lines if (match := NAMED.match(line))
+    }
+    return found
+
+
+def _nodes(path: Path) -> Iterator[ast.AST]:
+    with contextlib.suppress(SyntaxError, ValueError, OSError):  # named elsewhere
+        yield from ast.walk(ast.parse(path.read_bytes()))
 
 
 def _imported(nodes: Sequence[ast.AST]) -> set[str]:

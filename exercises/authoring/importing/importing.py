@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from exercises.authoring.importing.dependencies import dependencies
 from exercises.authoring.importing.validation_cells import Placed, placed_calls, published_cells
+from exercises.authoring.importing.words import words
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, InvalidNotebook, read
 
 CELL_S, GRADING_S = 60, 600  # CPU time of a cell, and of a grading: cells of a course take up to a minute
@@ -45,7 +46,7 @@ LONGEST = 40  # characters of an argument in a comment
 
 class Imported(NamedTuple):
     """The text of assignment.py, the number of validation calls taken over, each of the others as a sentence,
-    and the data ``files`` that the cells read, by name.
+    the data ``files`` that the cells read, by name, and the modules that are ``lacking`` on this machine.
     """
 
     slug: str
@@ -55,6 +56,7 @@ class Imported(NamedTuple):
     left: list[str]
     warnings: list[str]
     files: dict[str, bytes]
+    lacking: list[str]
 
 
 def imported(path: Path, course: Path) -> Imported:
@@ -63,7 +65,8 @@ def imported(path: Path, course: Path) -> Imported:
     Raises InvalidNotebook if it has no validation call."""
     cells = read(path)
     title = _title(cells) or path.stem
-    placed = list(placed_calls(cells, published_cells(cells, ())))
+    known = words((course,))
+    placed = list(placed_calls(cells, published_cells(cells, (), known), known))
     taken = [one for one in placed if one.call.label and not one.call.in_function]
     if not taken:
         raise InvalidNotebook(
@@ -73,7 +76,7 @@ def imported(path: Path, course: Path) -> Imported:
     left = [
         f"{p.cell.name}, line {p.call.place[0]}: {why[p.call.in_function]}" for p in placed if p not in taken
     ]
-    packages, files, warnings = dependencies(cells, path.parent, course)
+    packages, files, warnings, lacking = dependencies(cells, path.parent, course)
     if not any(SOLUTION in cell.tags for cell in cells):
         warnings.append(
             f"no cell is tagged {SOLUTION}: the server then runs every cell that contains code as it is"
@@ -90,9 +93,9 @@ def imported(path: Path, course: Path) -> Imported:
         grading_s=GRADING_S,
     )
     text += "".join(_exercises(taken))
-    words = re.sub(r"[^a-z0-9]+", "-", path.stem.lower()).strip("-") or "notebook"
-    slug = (words if words[0].isalpha() else f"notebook-{words}")[:MOST_SLUG].rstrip("-")
-    return Imported(slug, title, text, len(taken), left, warnings, files)
+    name = re.sub(r"[^a-z0-9]+", "-", path.stem.lower()).strip("-") or "notebook"
+    slug = (name if name[0].isalpha() else f"notebook-{name}")[:MOST_SLUG].rstrip("-")
+    return Imported(slug, title, text, len(taken), left, warnings, files, lacking)
 
 
 def _tuple(name: str, values: Iterable[str]) -> str:
@@ -112,7 +115,9 @@ def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
             got, expected = (
                 text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments
             )
-            hint = HINTS[placed.call.kind].format(got=got, expected=expected or "the expected value")
+            hint = HINTS.get(placed.call.kind, OWN_NUMBERS).format(
+                got=got, expected=expected or "the expected value"
+            )
             yield f"    # validate.{placed.call.kind}: {hint}\n    line({quoted(placed.call.label)}),\n"
         yield ")\n"
 

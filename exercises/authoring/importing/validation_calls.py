@@ -1,23 +1,24 @@
-"""Calls of ``validate`` in a code cell: their places, labels and tolerances,
+"""Calls of validation words in a code cell: their places, labels and tolerances,
 read from the source alone.
 """
 
 import ast
 import functools
-import inspect
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from polhode.judging import validate
-from polhode.judging.claims import KINDS
+from exercises.authoring.importing.words import Word, Words
+from polhode.judging.claims import kind_of
 from polhode.notebook.cells import python_of
 
+LIMIT = "limit"  # the second parameter, whatever a package calls it
 LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
 class Call(NamedTuple):
-    """A call of ``validate`` in a cell: its line and column, its kind, its label, its first
-    two arguments, and whether it is inside a function, or repeated: inside a loop.
+    """A call of a validation word in a cell: its line and column, its kind, which is the word, its label, its
+    first two arguments, whether it is inside a function, and the first and last line of the ``loop`` that
+    repeats it.
 
     The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false.
     ``numbers`` are the tolerances and limits that its text gives as numbers, and ``computed`` the names of
@@ -29,34 +30,40 @@ class Call(NamedTuple):
     label: str
     arguments: tuple[str, str] = ("", "")
     in_function: bool = False
-    repeated: bool = False
+    loop: tuple[int, ...] = ()
     is_plain: bool = False
     numbers: tuple[tuple[str, float], ...] = ()
     computed: tuple[str, ...] = ()
 
+    @property
+    def repeated(self) -> bool:
+        """Whether the call is inside a loop."""
+        return bool(self.loop)
+
 
 @functools.lru_cache(maxsize=2048)
-def calls(source: str) -> tuple[Call, ...]:
-    """Return the calls of ``validate`` in a code cell, in the order of the source."""
-    tree = ast.parse((python_of(source) if "validate" in source else None) or "")
+def calls(source: str, words: Words) -> tuple[Call, ...]:
+    """Return the calls of validation words in a code cell, in the order of the source."""
+    known = {module: {word.name: word for word in of_module} for module, of_module in words}
+    tree = ast.parse((python_of(source) if any(module in source for module in known) else None) or "")
     functions = [
         n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
     ]
     inside = {id(node) for function in functions for node in ast.walk(function)}
     loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
-    repeated = {id(node) for loop in loops for node in ast.walk(loop)}
+    lines = {id(node): _lines(loop) for loop in reversed(loops) for node in ast.walk(loop)}
     found = []
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and (kind := _kind(node)):
-            label = _given(node, kind, "label") or ast.Constant("")
-            numbers = {name: _number(given) for name, given in _given_numbers(node, kind)}
+        if isinstance(node, ast.Call) and (word := _word(node, known)):
+            label = _given(node, word, "label") or ast.Constant("")
+            numbers = {name: _number(given) for name, given in _given_numbers(node, word)}
             call = Call(
                 (node.lineno, node.col_offset),
-                kind,
+                word.name,
                 _text(label),
                 (_argument(node, 0), _argument(node, 1)),
                 in_function=id(node) in inside,
-                repeated=id(node) in repeated,
+                loop=lines.get(id(node), ()),
                 is_plain=isinstance(label, ast.Constant),
                 numbers=tuple((name, number) for name, number in numbers.items() if number is not None),
                 computed=tuple(name for name, number in numbers.items() if number is None),
@@ -65,40 +72,42 @@ def calls(source: str) -> tuple[Call, ...]:
     return tuple(sorted(found))
 
 
+def _lines(node: ast.AST) -> tuple[int, ...]:
+    """Return the first and the last line of a loop."""
+    return (getattr(node, "lineno", 0), getattr(node, "end_lineno", None) or 0)
+
+
 def _argument(node: ast.Call, at: int) -> str:
     return " ".join(ast.unparse(node.args[at]).split()) if len(node.args) > at else ""
 
 
-def _kind(node: ast.Call) -> str | None:
+def _word(node: ast.Call, known: Mapping[str, Mapping[str, Word]]) -> Word | None:
     match node.func:
-        case ast.Attribute(value=ast.Name(id="validate") | ast.Attribute(attr="validate"), attr=kind) if (
-            kind in KINDS
-        ):
-            return kind
+        case ast.Attribute(value=ast.Name(id=module) | ast.Attribute(attr=module), attr=name):
+            return known.get(module, {}).get(name)
     return None
 
 
-def _given(node: ast.Call, kind: str, name: str) -> ast.expr | None:
-    """Return the argument ``name`` of a call of the function ``kind``, by name or by its position; None if it
-    is not given.
-    """
-    given: dict[str | None, ast.expr] = dict(
-        zip(inspect.signature(getattr(validate, kind)).parameters, node.args, strict=False)
-    )
+def _given(node: ast.Call, word: Word, name: str) -> ast.expr | None:
+    """Return the argument ``name`` of a call, by name or by its position; None if it is not given."""
+    given: dict[str | None, ast.expr] = dict(zip(word.parameters, node.args, strict=False))
     given |= {keyword.arg: keyword.value for keyword in node.keywords}
     return given.get(name)
 
 
-def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
+def _given_numbers(node: ast.Call, word: Word) -> Iterator[tuple[str, ast.expr]]:
     """Yield the tolerances and limits of a call by name, those that it does not name with their defaults."""
-    if any(isinstance(one, ast.Starred) for one in node.args) or any(
-        keyword.arg is None for keyword in node.keywords
-    ):
-        yield from ((name, node) for name in KINDS[kind].numbers)  # only running the call shows them
-        return
-    parameters = inspect.signature(getattr(validate, kind)).parameters
-    for name in KINDS[kind].numbers:
-        yield name, _given(node, kind, name) or ast.Constant(parameters[name].default)
+    defaults = dict(word.defaults)
+    for name in kind_of(word.name).numbers:
+        parameter = word.parameters[1] if name == LIMIT and len(word.parameters) > 1 else name
+        given = _given(node, word, parameter) or defaults.get(parameter)
+        if (
+            given is None
+            or any(isinstance(one, ast.Starred) for one in node.args)
+            or None in (keyword.arg for keyword in node.keywords)
+        ):
+            given = node  # only running the call shows it
+        yield name, given
 
 
 def _number(node: ast.expr) -> float | None:

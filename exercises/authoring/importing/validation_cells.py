@@ -15,6 +15,7 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.importing.validation_calls import Call, calls
+from exercises.authoring.importing.words import Words
 from exercises.authoring.questions.author_notebook import INSTALL, Cell
 from exercises.authoring.questions.declared import Rule, is_numeric
 from polhode.judging.checks import Check
@@ -98,16 +99,21 @@ class ReportedLine(Check):
         """Return the claim with the numbers of the published call. None if that call cannot have made it."""
         if claim.kind != self.call.kind:
             return None
-        detail = claim.detail if claim.kind == "check" else ""
-        return replace(claim, numbers={**claim.numbers, **dict(self.call.numbers)}, detail=detail)
+        return replace(claim, numbers={**claim.numbers, **dict(self.call.numbers)})
 
     def _judged(self, claim: Claim) -> Judgement:
-        if self.declared.truth is None or claim.unfit or claim.left_out:
+        if self.declared.truth is None or claim.left_out or claim.found is not None:
             return claim.judged()
+        if claim.unjudged:  # what the package said of its own expected value is no judgement of the truth
+            return replace(claim, left_out=claim.unjudged).judged()
+        return replace(claim, arrays={**claim.arrays, "expected": self.truth()}, mark="").judged()
+
+    def truth(self) -> Any:
+        """Return the declared truth. Raises ValueError if it is not finite."""
         truth = np.asarray(self.declared.truth() if callable(self.declared.truth) else self.declared.truth)
         if not np.all(np.isfinite(truth)):
             raise ValueError(f"truth of the line {self.label!r} is not finite")
-        return replace(claim, arrays={**claim.arrays, "expected": truth}).judged()
+        return truth
 
     def _marked(self, outcome: Outcome, numbers: Mapping[str, float]) -> Outcome:
         allowed = {"rel_drift": "limit"}
@@ -123,14 +129,18 @@ def is_self_reported(check: Check) -> bool:
     return isinstance(check, ReportedLine) and not check.declared.counts
 
 
-def published_cells(cells: Sequence[Cell], names: Sequence[str]) -> tuple[PublishedCell, ...]:
+def published_cells(cells: Sequence[Cell], names: Sequence[str], words: Words) -> tuple[PublishedCell, ...]:
     """Return the code cells of the published notebook. Those that the student fills in are tagged as
     solutions or bind a name of ``names``.
     """
     code = [cell for cell in cells if cell.kind == "code" and INSTALL not in cell.tags]
     return tuple(
         PublishedCell(
-            f"published cell {number}", cell.source, _is_given(cell, names), cell.id, bool(calls(cell.source))
+            f"published cell {number}",
+            cell.source,
+            _is_given(cell, names),
+            cell.id,
+            bool(calls(cell.source, words)),
         )
         for number, cell in enumerate(code, 1)
     )
@@ -152,7 +162,7 @@ class Placed(NamedTuple):
     heading: str
 
 
-def placed_calls(cells: Sequence[Cell], published: Sequence[PublishedCell]) -> Iterator[Placed]:
+def placed_calls(cells: Sequence[Cell], published: Sequence[PublishedCell], words: Words) -> Iterator[Placed]:
     """Yield the validation calls of the given cells in order.
     Headings such as "Validation 2" do not count.
     """
@@ -160,13 +170,14 @@ def placed_calls(cells: Sequence[Cell], published: Sequence[PublishedCell]) -> I
     for cell in cells:
         heading = next((text for _, text in reversed(cell.headings) if not VALIDATION.match(text)), heading)
         if cell.kind == "code" and INSTALL not in cell.tags and (one := next(code)).is_given:
-            yield from (Placed(one, call, heading) for call in calls(one.source))
+            yield from (Placed(one, call, heading) for call in calls(one.source, words))
 
 
-def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]:
+def line_errors(cells: Sequence[Cell], sections: Sequence[Any], words: Words) -> Iterator[str]:
     """Yield an error for each line that the notebook does not have in that order, or that cannot count."""
     lines = [line for section in sections for line in section.lines]
-    left = [placed.call for placed in placed_calls(cells, published_cells(cells, ()))] if lines else []
+    published = published_cells(cells, (), words) if lines else ()
+    left = [placed.call for placed in placed_calls(cells, published, words)] if lines else []
     for line in lines:
         call = next((call for call in left if call.label == line.label), None)
         if call is None:
@@ -190,15 +201,15 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
 
 
 def reported_exercises(
-    exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]
+    exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any], words: Words
 ) -> Iterator[Exercise]:
     """Yield the exercises with their lines as checks. The student defines the names that their cells read."""
     if not any(section.lines for section in sections):
         yield from exercises
         return
     names = [name for section in sections for name in section.names]
-    published = published_cells(cells, names)
-    left = list(placed_calls(cells, published))
+    published = published_cells(cells, names, words)
+    left = list(placed_calls(cells, published, words))
     for exercise, section in zip(exercises, sections, strict=True):
         checks, used = list[Check](), list[PublishedCell]()
         for k, line in enumerate(section.lines, 1):

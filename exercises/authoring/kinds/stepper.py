@@ -129,6 +129,12 @@ def stepper(
         if not name:
             yield "a stepper needs a function argument: family(…)"
             return
+        if (order or chart) and rates is None and len(states) > 1:
+            left = ", ".join(states.values())
+            yield (
+                f"order and chart need the derivatives of {left}: give rates=, a function that returns them"
+                " in order, such as lambda acc, x, v: (v, acc(x))"
+            )
         yield from (f"it has no parameter {given}" for given in [step, *states.values()] if given not in ask)
         yield from (
             f"the test problem: {error}" for error in family_errors(Family(data["test"], family.over, {}))

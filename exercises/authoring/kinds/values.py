@@ -9,10 +9,10 @@ from exercises.authoring.kinds import kind
 from exercises.authoring.questions.declared import (
     Agree,
     Ask,
-    Expression,
     Family,
     Limit,
     Points,
+    Source,
     Truth,
     UpTo,
     named_values,
@@ -34,7 +34,7 @@ def values(
     points: Points = 1,
     partial: bool = False,
     calls: Limit | None = None,
-    call: Expression | None = None,
+    call: Source | None = None,
     keys: bool = False,
 ) -> Question:
     """Return the question what ``solution`` returns for the arguments ``ask``.

@@ -346,7 +346,7 @@ def _constant_arguments(s: Solution, node: Any) -> Iterator[Variant]:
             start, _ = s.span(body[0])
             behind = "; " if body[0].lineno == node.lineno else "\n" + " " * body[0].col_offset
             for value in ("1", "0"):
-                what = f"`{value}` stands in place of the argument `{argument}`"
+                what = f"the argument `{argument}` has no effect, as if it were always {value}"
                 yield s.replaced("wrong-constant", what, (start, start), f"{argument} = {value}{behind}")
 
 

@@ -21,6 +21,7 @@ from exercises.authoring.importing.validation_cells import (
     published_cells,
     reported_exercises,
 )
+from exercises.authoring.importing.words import course_words
 from exercises.authoring.publishing import publish
 from exercises.authoring.publishing.publish import Section
 from exercises.authoring.questions import author_notebook
@@ -191,7 +192,9 @@ class Notebook:
         functions = [q for q in questions if inspect.isfunction(q.solution) and not q.variables]
         parameters = {q.function: list(inspect.signature(q.solution).parameters) for q in functions}
         wrong = author_notebook.errors(cells, self._names(), parameters) if cells else ()
-        found += [f"assignment.py {error}" for error in line_errors(cells, self.sections)]
+        found += [
+            f"assignment.py {error}" for error in line_errors(cells, self.sections, course_words(folder))
+        ]
         return [*found, *(f"{self.notebook}: {error}" for error in wrong)]
 
     def assignment(self, folder: Path) -> Assignment:
@@ -212,9 +215,9 @@ class Notebook:
             version=self.version,
             folder=folder,
             scenes=(*self.scenes, *(scene for question in self.questions() for scene in question.scenes())),
-            exercises=tuple(reported_exercises(expanded, cells, self.sections)),
+            exercises=tuple(reported_exercises(expanded, cells, self.sections, course_words(folder))),
             published=(
-                published_cells(cells, self._names())
+                published_cells(cells, self._names(), course_words(folder))
                 if any(section.lines for section in self.sections)
                 else ()
             ),

@@ -67,6 +67,7 @@ Numbers = Annotated[
 ]
 Text = Annotated[str, Rule("a text that is not empty", str.strip)]
 Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
+Source = Annotated[str, Rule("an expression, or the source of functions", ast.parse)]
 Named = Annotated[
     Callable[..., Any],
     Rule(
@@ -92,19 +93,17 @@ Asked = Annotated[
 @dataclass(frozen=True)
 class Family:
     """A function argument: an expression ``text`` over some variables, with parameters that are constant or
-    drawn.
+    drawn, or the source of a function that takes both.
     """
 
-    text: Expression
+    text: Source
     over: tuple[str, ...]
     given: Mapping[str, Draw | Asked]
 
     @property
     def takes_functions(self) -> bool:
-        """Whether the expression calls one of its variables."""
-        calls = [
-            node.func for node in ast.walk(ast.parse(self.text, mode="eval")) if isinstance(node, ast.Call)
-        ]
+        """Whether it calls one of its variables."""
+        calls = [node.func for node in ast.walk(ast.parse(self.text)) if isinstance(node, ast.Call)]
         return any(isinstance(one, ast.Name) and one.id in self.over for one in calls)
 
 
@@ -143,8 +142,10 @@ class Value:
     (polhode.kinds.alignment).
 
     ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns
-    the points times the fraction of inputs that are right, rounded down. With ``check`` the id of its check
-    is the exercise's number and this name. ``components`` are the names of the numbers of an array.
+    the points times the fraction of inputs that are right, rounded down. A ``statistic`` of random numbers
+    has a wide tolerance: a mistake is recognised only if it gives the same number to rounding. With ``check``
+    the id of its check is the exercise's number and this name. ``components`` are the names of the numbers of
+    an array.
     """
 
     tolerance: Tolerance
@@ -152,6 +153,7 @@ class Value:
     up_to: UpTo | None = None
     points: Points = 1
     partial: bool = False
+    statistic: bool = False
     check: str | None = None
     components: tuple[str, ...] = ()
 

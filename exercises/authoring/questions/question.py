@@ -5,10 +5,12 @@ expands to scenes.
 import ast
 import functools
 import inspect
+import io
 import sys
 import textwrap
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -164,7 +166,8 @@ class Question:
         """Return the names that a source such as that of a mistake defines beside the right solutions."""
         is_own = isinstance(self.solution, NotebookSolution)
         names = dict(self.solution.names if is_own else vars(sys.modules[self.solution.__module__]))
-        exec(compile(source, f"<{self.function}>", "exec"), names)
+        with redirect_stdout(io.StringIO()):  # what a cell prints is not for the output of a command
+            exec(compile(source, f"<{self.function}>", "exec"), names)
         return names
 
     @functools.cached_property
@@ -209,7 +212,7 @@ class Question:
         for name, draw in self.drawn.items():
             if isinstance(draw, JointlyDrawn):
                 if draw.joint not in joint:
-                    joint[draw.joint] = draw.joint(rng)
+                    joint[draw.joint] = draw.joint(rng, row)
                 found[name] = np.asarray(draw.of(joint[draw.joint]))
             else:
                 takes_row = "row" in inspect.signature(draw).parameters
@@ -323,6 +326,7 @@ class Question:
             "tolerance": tolerance_data(value.tolerance),
             "label": label,
             "up_to": value.up_to,
+            **({"statistic": True} if value.statistic else {}),
             **credit,
             **({"check": value.check} if value.check else {}),
             **({"scaled": True} if self.scale else {}),

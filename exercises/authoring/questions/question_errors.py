@@ -6,11 +6,12 @@ import inspect
 import keyword
 import re
 from collections.abc import Iterator, Sequence
+from types import FunctionType
 
 from exercises.authoring.questions.declared import Family, Itself, Mistake
 from exercises.authoring.questions.question import Question
 from exercises.authoring.written_mistakes import WrittenMistake
-from polhode.kinds.asking import KNOWN
+from polhode.kinds.asking import KNOWN, is_source
 
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "polhode", "np", "plt"}
@@ -71,6 +72,12 @@ def _of_question(question: Question) -> Iterator[str]:
     for argument, family in question.ask.items():
         if isinstance(family, Family) and not question.wrong:
             yield from (f"the function {argument}: {error}" for error in family_errors(family))
+    yield from (
+        f"the draw of {given} takes {', '.join(others)}: it is called with a random generator, and with row="
+        " if it has that parameter"
+        for given, draw in question.ask.items()
+        if inspect.isfunction(draw) and (others := _unknown_parameters(draw))
+    )
     if question.variables:
         nodes = ast.walk(ast.parse(question.source))
         assigned = {
@@ -90,8 +97,16 @@ def _of_question(question: Question) -> Iterator[str]:
             yield f"{name} ({label}): partial credit needs drawn arguments: a single input is right or wrong"
 
 
+def _unknown_parameters(draw: FunctionType) -> list[str]:
+    """Return the parameters of a draw that it does not get: all but the first and ``row``."""
+    needed = [p for p in inspect.signature(draw).parameters.values() if p.default is p.empty]
+    return [p.name for p in needed[1:] if p.name != "row" and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
+
+
 def family_errors(family: Family) -> Iterator[str]:
-    """Yield the errors of an expression."""
+    """Yield the errors of an expression; a source was made from functions without errors."""
+    if is_source(family.text):
+        return
     tree = ast.parse(family.text, mode="eval")
     unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {
         *family.over,

@@ -40,11 +40,14 @@ class Cells:
     """The cells of a job, run in the namespace ``module`` after its Setup. ``shows`` is the source of the
     last cell that showed an animation.
 
-    Names in ``fixed`` keep their values, whatever the cells assign to them.
+    Names in ``fixed`` keep their values, whatever the cells assign to them; that is kept in ``replaced``.
     """
 
-    def __init__(self, job: dict[str, Any], module: types.ModuleType, write: Writer, fixed: Names) -> None:
-        self._job, self._names, self._write, self._fixed = job, module.__dict__, write, fixed
+    def __init__(
+        self, job: dict[str, Any], module: types.ModuleType, write: Writer, fixed: Names, replaced: Names
+    ) -> None:
+        self._job, self._names, self._write = job, module.__dict__, write
+        self._fixed, self._replaced = fixed, replaced
         left_out = {Place(*place): Cause(*cause) for place, cause in job["left_out"]}
         self.statements = Statements(self._names, self._begin, left_out)
         self._budget = Budget(job["load_budget_s"])
@@ -64,7 +67,8 @@ class Cells:
         """
         self._names |= self._fixed
         sources = [source for _, source, published in self._job["cells"] if published]
-        several, self._given = bool(sources), Given(sources, self._job["functions"]) if sources else None
+        several = bool(sources)
+        self._given = Given(sources, self._job["functions"], recorder) if sources else None
         for name, source, published in self._job["cells"]:
             self._budget = Budget(self._job["load_budget_s"]) if several else self._budget
             recorder.cell, recorder.places = name, published
@@ -83,6 +87,7 @@ class Cells:
     def _run(self, piece: str, name: str, recorder: Recorder, *, published: bool) -> None:
         before, failed = animate.shown[:], len(self.statements.failures)
         self.statements.cell = name
+        self.statements.goes_on = recorder.has_raised if published else lambda error: False
         # a submission can change how IPython reads and runs a cell
         run = self._as_script if published and is_python(piece) else self._run_piece
         with self._in_place(recorder) if published else nullcontext():
@@ -90,12 +95,12 @@ class Cells:
             if not self._budget.left():
                 self._stop(name)
                 stray = limited(lambda: run(piece, name), self._budget)
-        recorder.send(self._write)
         self.shows = self.shows if animate.shown == before else piece
         if stray is not None and not isinstance(stray, OutOfTime):
             self.statements.failures.append(stray)
         for error in self.statements.failures[failed:][:1]:
-            self._write.event("cell", cell=name, **self._ended(error))
+            if not recorder.has_raised(error):  # else its line says so
+                self._write.event("cell", cell=name, **self._ended(error))
         for place in self.statements.exits:
             shown = f'  File "{name}", line {place.line}\n{linecache.getline(name, place.line)}'
             self._write.event("cell", cell=name, ended="exited", sentence=LEFT_OUT_EXIT, traceback=shown)
@@ -107,10 +112,10 @@ class Cells:
         count for nothing if the submission changes them meanwhile.
         """
         assert self._given is not None
-        with self._given.in_place(self._names), recorder.in_place(self._names):
+        with self._given.in_place(self._names):
             yield
         if self._given.changed:
-            recorder.leave_out(self._given.changed)
+            self._write.event("left-out", cell=recorder.cell, sentence=self._given.changed)
 
     def _stop(self, name: str) -> None:
         """Stop, or if no other process may start, let only definitions run from now on."""
@@ -161,6 +166,11 @@ class Cells:
         for attempt in self.statements.run(nodes):
             yield attempt
             end_if_full()
+            self._replaced |= {
+                name: self._names[name]
+                for name, value in self._fixed.items()
+                if self._names.get(name, value) is not value
+            }
             self._names |= self._fixed
             if not self._budget.left():
                 attempt.error = attempt.error or OutOfTime()

@@ -8,16 +8,18 @@ the time of that call. What is changed when the cell ends is noticed.
 import ast
 import builtins
 import importlib
+import inspect
 import sys
 import types
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from .claims import PRIVATE as OWN
+from .claims import Recorder
+from .pieces import nodes_of
 
 Names = dict[str, Any]
-KIT = OWN[0].partition(".")[0]
+KIT = "polhode"
 HEAP = 1 << 9  # the flag of a class whose attributes can be set
 MISSING = object()
 OF_A_NOTEBOOK = {"display", "get_ipython", "exit", "quit"}  # which have their own
@@ -25,20 +27,22 @@ CHANGED = "your code changed {name} while the cell ran: leave the modules of oth
 
 
 class Given:
-    """The given cells of a notebook, by their ``sources``. Make it before the submission runs.
+    """The given cells of a notebook, by their ``sources``, whose claims the ``recorder`` has to find. Make it
+    before the submission runs.
 
     Names of builtins that the submission is asked for, ``asked``, and those that given cells bind themselves,
     are not touched.
     """
 
-    def __init__(self, sources: Sequence[str], asked: Collection[str]) -> None:
-        nodes = [node for source in sources for node in _nodes(source)]
+    def __init__(self, sources: Sequence[str], asked: Collection[str], recorder: Recorder) -> None:
+        nodes = [node for source in sources for node in nodes_of(source)]
         self._imports = _imported(nodes)
         bound = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         bound |= {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
         self._own = {*bound, *asked}
         self._builtins = {name for name in vars(builtins) if name[0] != "_"} - OF_A_NOTEBOOK
-        packages = {"ast"}  # which runs the cells
+        packages = {"ast", "numpy"}  # which run the cells and record their claims
+        packages |= {word.__module__.partition(".")[0] for word in recorder.words}
         packages |= {getattr(value, "__module__", "").partition(".")[0] for value in self._imports.values()}
         packages |= {
             value.__name__.partition(".")[0] for value in self._imports.values() if _is_module(value)
@@ -46,12 +50,16 @@ class Given:
         self._modules = {
             name: module
             for name, module in list(sys.modules.items())
-            if name.partition(".")[0] in packages and _is_module(module) and name not in (*OWN, KIT)
+            if name.partition(".")[0] in packages and _is_module(module) and name != KIT
         } | {"builtins": builtins}
         self._kinds = {name: type(module) for name, module in self._modules.items()}
         self._spaces = [(name, vars(module), _parts(vars(module))) for name, module in self._modules.items()]
         found = {id(value): value for _, _, parts in self._spaces for value in parts.values()}
         inner = [getattr(value, "_implementation", value) for value in found.values()]
+        inner += [inspect.unwrap(word) for word in recorder.words]
+        self._cells = [
+            (cell, cell.cell_contents) for word in recorder.words for cell in word.__closure__ or ()
+        ]
         self._functions = [
             (one, (one.__code__, one.__defaults__, one.__kwdefaults__))
             for one in inner
@@ -119,16 +127,17 @@ class Given:
                     with suppress(TypeError, AttributeError):
                         setattr(one, key, value)
                         found.append((f"{one.__name__}.{key}", one, key, other))
+        for cell, value in self._cells:
+            cell.cell_contents = value
+        return [*found, *self._restore_code()]
+
+    def _restore_code(self) -> Iterator[tuple[str, Any, str, Any]]:
         for function, code in self._functions:
             present = _code(function)
             if any(a is not b for a, b in zip(present, code, strict=True)):
-                found += [
-                    (function.__name__, function, key, value)
-                    for key, value in zip(CODE, present, strict=True)
-                ]
-                for key, value in zip(CODE, code, strict=True):
-                    setattr(function, key, value)
-        return found
+                for key, value, own in zip(CODE, present, code, strict=True):
+                    setattr(function, key, own)
+                    yield function.__name__, function, key, value
 
 
 CODE = ("__code__", "__defaults__", "__kwdefaults__")
@@ -136,11 +145,6 @@ CODE = ("__code__", "__defaults__", "__kwdefaults__")
 
 def _code(function: types.FunctionType) -> tuple[Any, ...]:
     return function.__code__, function.__defaults__, function.__kwdefaults__
-
-
-def _nodes(source: str) -> Iterator[ast.AST]:
-    with suppress(SyntaxError, ValueError):
-        yield from ast.walk(ast.parse("\n".join(line for line in source.split("\n") if line[:1] not in "%!")))
 
 
 def _imported(nodes: Sequence[ast.AST]) -> Names:

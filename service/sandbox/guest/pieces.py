@@ -1,8 +1,11 @@
-"""The cells of a jupytext file, percent or light."""
+"""The cells of a jupytext file, percent or light, and what a cell contains."""
 
+import ast
 import itertools
 import re
 import warnings
+from collections.abc import Iterator
+from contextlib import suppress
 
 MARK = re.compile(r"^# %%", re.MULTILINE)
 LIGHT = re.compile(r"^# +format_name: light$", re.MULTILINE)  # in the header of the file
@@ -34,3 +37,10 @@ def is_python(source: str) -> bool:
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         return False
     return True
+
+
+def nodes_of(source: str) -> Iterator[ast.AST]:
+    """Yield the nodes of the syntax tree of a cell without its magics, none if it is not Python."""
+    lines = [line for line in source.split("\n") if line[:1] not in "%!"]
+    with suppress(SyntaxError, ValueError, MemoryError, RecursionError):
+        yield from ast.walk(ast.parse("\n".join(lines)))

@@ -28,7 +28,7 @@ def run(job_fd: int, calls_fd: int, counts_fd: int) -> None:
             exported |= _solutions(job)
         error = ""
         for place, one in enumerate(job["apart"]):
-            exported[one["target"]] = _counted(_function(one), place, counts_fd)
+            exported[one["target"]] = _counted(_function(one), place, one["unit"], counts_fd)
     except BaseException as raised:
         exported.clear()
         error = f"the right solutions: {describe_exception(raised, lambda file: False)['sentence']}"
@@ -51,9 +51,11 @@ def _function(of: Mapping[str, Any]) -> Function:
     return expression(of["text"], tuple(of["over"]), given)
 
 
-def _counted(function: Function, place: int, counts_fd: int) -> Function:
+def _counted(function: Function, place: int, unit: int, counts_fd: int) -> Function:
+    from polhode.kinds.asking import evaluations
+
     def counted(*values: Any, **named: Any) -> Any:
-        os.write(counts_fd, COUNT.pack(place))
+        os.write(counts_fd, COUNT.pack(place, evaluations([*values, *named.values()], unit)))
         return function(*values, **named)
 
     return counted

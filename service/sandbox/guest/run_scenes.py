@@ -21,9 +21,9 @@ from . import unused_libraries
 from .budget import Budget, limited
 from .calls import LOADED, Channel
 from .cells import Cells, Stopped
-from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ending import Cause, ending
+from .forms import in_form_of
 from .nothing import NOTHING
 from .seal import Seal, in_place, names_used, private_modules
 from .wire import APART, FILES, JobReader, Writer
@@ -54,14 +54,16 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     job, write = JobReader(job_fd).job(), Writer(result_fd)
     try:
         plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
+        recorder = Recorder(write)
+        recorder.wrap([job["setup"]["source"], *(source for _, source, _ in job["cells"])])
         module = prepare(code(job, "setup"))
-        reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
+        reference = None if calls_fd is None else Reference(calls_fd, job["reference"], formed=job["formed"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
         raise
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
-        _run(job, plays, module, write, unchanged=unchanged, reference=reference)
+        _run(job, plays, module, write, recorder, unchanged=unchanged, reference=reference)
 
 
 def code(job: dict[str, Any], name: str) -> types.CodeType:
@@ -73,15 +75,21 @@ def code(job: dict[str, Any], name: str) -> types.CodeType:
 
 
 class Reference:
-    """Functions of another process by name, in place of those of the submission. Raises AuthorError if they
+    """Functions of another process by name, in place of those of the submission, which are kept in
+    ``replaced``. With ``formed`` they return values in the form of those. Raises AuthorError if they
     cannot be loaded.
     """
 
-    def __init__(self, calls_fd: int, names: list[str]) -> None:
+    def __init__(self, calls_fd: int, names: list[str], *, formed: bool) -> None:
         self.channel = Channel(calls_fd)
         if error := self.channel.call(LOADED):
             raise AuthorError(error)
         self.functions = {name: self.channel.proxy(name, name) for name in names}
+        self.replaced: Names = {}
+        if formed:
+            self.functions = {
+                name: in_form_of(self.replaced, name, function) for name, function in self.functions.items()
+            }
 
     def inputs(self, scene: dict[str, Any]) -> dict[str, Any]:
         """Return the inputs of a scene with the functions that are not made in this process, one a row."""
@@ -101,15 +109,14 @@ def _run(
     plays: Names,
     module: types.ModuleType,
     write: Writer,
+    recorder: Recorder,
     *,
     unchanged: Callable[[], None],
     reference: Reference | None,
 ) -> None:
     student = module.__dict__
-    recorder = Recorder()
-    if any(published for _, _, published in job["cells"]):
-        recorder.find_names()
-    cells = Cells(job, module, write, reference.functions if reference else {})
+    fixed = (reference.functions, reference.replaced) if reference else ({}, {})
+    cells = Cells(job, module, write, *fixed)
     try:
         with recorder.recording():
             cells.run(recorder)
@@ -211,8 +218,6 @@ def copy_modules() -> None:
         integration.tableau()  # before a submission can replace it
         if not unused_libraries.lacks("scipy"):
             integration.solve_ivp()
-    with private_modules(RECORDER):
-        pass
 
 
 class _Private(NamedTuple):

@@ -24,7 +24,8 @@ class Statements:
 
     ``begin`` is called with the place of each statement before it runs. Those in ``left_out``, which ended an
     earlier process, do not run; the cause there says how they ended it. With ``only_definitions``, the cause
-    of that, nothing else runs. ``causes`` say why a name is missing.
+    of that, nothing else runs. ``causes`` say why a name is missing. A cell goes on after an error of which
+    ``goes_on`` is true.
     """
 
     def __init__(self, names: Names, begin: Callable[[Place], None], left_out: dict[Place, Cause]) -> None:
@@ -32,6 +33,7 @@ class Statements:
         self._before = dict(names)
         self._spent: dict[Place, float] = {}
         self.only_definitions: Cause | None = None
+        self.goes_on: Callable[[BaseException], bool] = lambda error: False
         self.causes: dict[str, Cause] = {}
         self.failures: list[BaseException] = []
         self.exits: list[Place] = []
@@ -64,7 +66,8 @@ class Statements:
                     self.exits.append(place)
             elif attempt.error is not None:
                 self._missing(node, self._cause_of(attempt.error))
-                failure = failure or attempt.error
+                if not self.goes_on(attempt.error):
+                    failure = failure or attempt.error
         if failure is not None:
             self.failures.append(failure)
 

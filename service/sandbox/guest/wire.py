@@ -7,7 +7,9 @@ import json
 import os
 import select
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -22,8 +24,11 @@ CLOCK_FACTOR = (
 BYTES = "base64"  # key of an object that stands for bytes
 NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
 APART = "{scene} {name} {row}"  # the name by which the process of a submission calls a function of a row
-COUNT = struct.Struct("<I")  # what the process with the reference functions writes at each call: its place
+# What the process with the reference functions writes at each call of a function: its place in the list of
+# them, and for how many calls it counts.
+COUNT = struct.Struct("<IQ")
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
+writing: list[Any] = []  # not empty while frames are written that belong together
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]
 
 
@@ -38,6 +43,10 @@ def pack(arrays: Mapping[str, Any]) -> bytes:
 
 def _dtype(value: Any) -> str:
     return "u1" if getattr(value, "dtype", None) == np.uint8 else "<f8"
+
+
+def _raw(array: np.ndarray, dtype: str) -> bytes:
+    return np.ascontiguousarray(array, dtype=dtype).tobytes()
 
 
 @functools.lru_cache(maxsize=64)
@@ -86,25 +95,42 @@ class Writer:
     """Writer of whole frames to a file descriptor."""
 
     def __init__(self, fd: int) -> None:
-        self._fd = fd
+        self._fd, self._lock = fd, RLock()  # a submission may start threads
 
     def event(self, name: str, **fields: Any) -> None:
         """Write a JSON event. Characters that cannot be encoded are escaped."""
         self._frame(b"J", json.dumps({"event": name, **fields}, ensure_ascii=True).encode())
 
-    def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+    def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray], most: int) -> None:
         """Write a claim of the notebook's own checks: its header with the shapes of its arrays and the names
-        of complex ones, then raw little-endian numbers.
+        of complex ones, then raw little-endian numbers. Arrays of more than ``most`` numbers follow in blocks
+        of their first axis.
         """
         types = {name: "<c16" if array.dtype.kind == "c" else "<f8" for name, array in arrays.items()}
-        raw = b"".join(
-            np.ascontiguousarray(array, dtype=types[name]).tobytes() for name, array in arrays.items()
-        )
-        shapes = {name: list(array.shape) for name, array in arrays.items()}
+        long = {name: array for name, array in arrays.items() if array.size > most}
+        raw = [_raw(array, types[name]) for name, array in arrays.items() if name not in long]
         head = json.dumps(
-            header | {"arrays": shapes, "complex": [name for name in types if types[name] == "<c16"]}
+            header
+            | {"arrays": {name: list(array.shape) for name, array in arrays.items()}, "blocks": list(long)}
+            | {"complex": [name for name in types if types[name] == "<c16"]}
         ).encode()
-        self._frame(b"C", HEADER.pack(len(head)) + head + raw)
+        with self._whole():
+            self._frame(b"C", HEADER.pack(len(head)) + head + b"".join(raw))
+            length = max(map(len, long.values()), default=0)
+            rows = max(1, min((most * len(array) // array.size for array in long.values()), default=1))
+            for first in range(0, length, rows):
+                blocks = [_raw(array[first : first + rows], types[name]) for name, array in long.items()]
+                self._frame(b"D", b"".join(blocks))
+
+    @contextmanager
+    def _whole(self) -> Iterator[None]:
+        """Write what is written inside the ``with`` block without an interruption."""
+        with self._lock:
+            writing.append(self)
+            try:
+                yield
+            finally:
+                writing.pop()
 
     def arrays(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Write the named arrays of a scene."""
@@ -112,5 +138,6 @@ class Writer:
 
     def _frame(self, kind: bytes, payload: bytes) -> None:
         data = memoryview(struct.pack("<cI", kind, len(payload)) + payload)
-        while data:
-            data = data[os.write(self._fd, data) :]
+        with self._lock:
+            while data:
+                data = data[os.write(self._fd, data) :]

@@ -2,8 +2,10 @@
 
 import json
 
+import numpy as np
 import pytest
 
+from polhode.kinds import reproduces
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
@@ -18,7 +20,7 @@ SOLUTIONS = {
 }
 DECLARED = """
 import numpy as np
-from exercises.authoring import Notebook, between, generator, relative
+from exercises.authoring import Notebook, Value, absolute, between, generator, integer, relative
 
 notebook = Notebook("decay.ipynb", title="Radioactive decay")
 NEAR = relative(1e-3, because="of a standard deviation")
@@ -28,6 +30,20 @@ NEAR = relative(1e-3, because="of a standard deviation")
 def times(ask):
     times = ask.samples("decay_times", "expon", parameters={"scale": lambda tau: tau})
     times.case("any mean life", n=500, tau=between(0.5, 3), rng=generator())
+    times.mistake("missing-term", "the mean life is missing", change="-tau * -> -")
+
+    number = ask.function("decay_times", returns="number mean", mistakes_of=times)
+
+    @number.observe
+    def shape_and_mean(decays, n, tau, seed):
+        drawn = decays(n, tau, np.random.default_rng(seed))
+        return len(drawn), np.mean(drawn) / tau
+
+    number.case("", n=500, tau=between(2, 3), seed=integer(0, 9))
+
+    @number.truth(agree=Value(absolute(0.5, because="ten times the spread"), statistic=True))
+    def of_n_decays(n):
+        return n, 1
 
 
 @notebook.exercise("2")
@@ -82,10 +98,30 @@ def test_a_question_has_the_rows_of_its_kind_unless_a_case_says_others(decay):
         for scene in decay.scenes
         if (inputs := scene.inputs) and not callable(inputs)
     }
-    assert rows == {"1-public": 1, "2-public": 2, "3-public": 2}
+    assert rows == {"1-1-public": 1, "1-2-public": 3, "2-public": 2, "3-public": 2}
 
 
 def test_the_solutions_of_the_notebook_pass(decay, sandbox):
     right = next(sample.source for sample in decay.made_samples() if sample.right)
     report = grade(Submission(right), decay, sandbox, 1).report
     assert report.passed and len(report.exercises) == 3, report.text()
+
+
+def test_a_function_of_the_solution_is_asked_in_its_place(decay, sandbox):
+    short = f"{SOLUTIONS['Decay times']}[1:]"
+    report = grade(Submission(short), decay, sandbox, 1, ["1"]).report
+    verdicts = {outcome.id: outcome.verdict.name for outcome in report.outcomes()}
+    assert verdicts["1-2-number"] == "FAIL" and verdicts["1-2-mean"] == "PASS"
+
+
+def test_a_later_question_about_a_solution_has_the_mistakes_of_the_earlier_one(decay):
+    assert [variant.sentence for variant in decay.variants("1-2")[1:] if variant.declared] == [
+        "the mean life is missing"
+    ]
+
+
+def test_a_mistake_is_recognised_by_a_statistic_only_to_rounding(decay):
+    """Two means that differ by less than the tolerance are not the same random numbers."""
+    question = decay.scene("1-2-public").question
+    other, predicted = ({"number": np.full(3, 500.0), "mean": np.full(3, at)} for at in (0.39, 0.4))
+    assert reproduces(question, predicted, predicted) and not reproduces(question, other, predicted)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.authoring import draws
+from polhode.kinds import asking
 
 RNG = np.random.default_rng
 
@@ -36,6 +37,30 @@ def test_a_name_that_is_not_drawn_is_named():
     joint = draws.JointDraw(lambda draw: {"a": 1.0})
     with pytest.raises(LookupError, match=r"does not return b; it returns a"):
         joint["b"](RNG(0))
+
+
+def test_cases_of_a_joint_draw_take_turns():
+    first, second = (draws.JointDraw(lambda draw, a=a: {"a": a}) for a in (1, 2))
+    joint = draws.in_turn(first, second)
+    assert [joint(RNG(0), row)["a"] for row in range(5)] == [1, 2, 1, 2, 1]
+    assert joint.names == ("a",)
+
+
+def test_a_function_of_the_file_is_an_argument_with_what_it_uses():
+    family = draws.function(pulled_back, rate=draws.between(1, 2))
+    pull = asking.expression(family.text, family.over, {"rate": 2.0})
+    assert family.over == ("x",) and pull(3.0) == -12.0 and pull([1.0, 2.0]).tolist() == [-4.0, -8.0]
+
+
+FACTOR = 2.0
+
+
+def force(x):
+    return -FACTOR * x
+
+
+def pulled_back(x, rate):
+    return rate * force(x)
 
 
 def test_a_joint_draw_must_return_a_dict():

@@ -99,6 +99,7 @@ def lines_of(text):
     return [number for number, line in enumerate(lines, 1) if text in line]
 
 
+ANOMALY = '"eccentric_anomaly")'
 CHANGE, ELEMENTS = "    kepler_eqs.mistake(", '"orbital_elements", inputs'
 
 
@@ -114,6 +115,18 @@ CHANGE, ELEMENTS = "    kepler_eqs.mistake(", '"orbital_elements", inputs'
         ("E = M\n", "E = M * unknown\n", "@anomaly.mistake(", "stops_early: it uses unknown"),
         ('"a": a, ', "", ELEMENTS, "takes a, which is neither asked nor drawn"),
         ("p = a * (1 - e**2)", "p = a / 0", "p = a * (1 - e**2)", "ZeroDivisionError"),
+        ("    @step.rates\n", "", "step.case(", "decorate with @question.rates a function"),
+        ("order=(2, absolute(", "order=(2, relative(", "step.case(", "of order is Tolerance(limit=0.2"),
+        ("order=(2, absolute(", "order=(2, relative(", "step.case(", "it must be absolute(…, because=…)"),
+        ("until=12,", "until=None,", "ask.right_hand_side(", "a motion needs until= and follow="),
+        ('"eccentric_anomaly")', '"eccentric_anomaly", uses=1)', '"eccentric_anomaly")', "leave it out"),
+        (ANOMALY, '"eccentric_anomaly", call=1)', ANOMALY, "it has name, inputs"),
+        ("cell.mistake(\n", "cell.agree(\n", "cell.mistake(", "no agree: it has truth, claim, mistake"),
+        ('"precession", agree', '"a", agree', '@cell.truth("', "own truth and tolerance"),
+        ("draw(with_ends(0.05, 0.9))", "draw((0.05, 0.9))", "mu, a, e = ", "(0.05, 0.9) is no draw"),
+        ("draw(with_ends(0.05, 0.9))", 'draw(expression("x", of="x"))', "mu, a, e = ", "give it to a case"),
+        ("h=between(0.02, 0.2)", "h=lambda rng, x: 1", "step.case(", "the draw of h takes x: it is called"),
+        ('"2", points=4', '"2", points=2', '"2", points=4', "a wrong one would cost nothing"),
     ],
 )  # fmt: skip
 def test_an_error_has_its_line_and_says_what_is_wrong(tmp_path, old, new, at, error):

@@ -17,3 +17,10 @@ def test_checks_of_a_question_are_worth_the_same_and_the_last_one_gets_the_rest(
 def test_shares_are_those_of_questions():
     found = allotted(9, [["a", "b"], ["c"]], [1, 2])
     assert found["c"] == 6 and found["a"] + found["b"] == 3
+
+
+def test_a_question_with_few_checks_takes_nothing_from_one_with_many():
+    many, few = ["x", "y", "z", "new x", "new y", "new z"], ["only", "other"]
+    found = allotted(6, [many, few], [1, 1])
+    assert [found[id] for id in many] == [0, 0, 0, 1, 1, 1]
+    assert found["only"] + found["other"] == 3

@@ -81,3 +81,21 @@ def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, c
     assert "no cell is tagged solution" in printed
     assert (tmp_path / "into" / "data" / "d.csv").read_text() == "1 2 3"
     assert 'data=("d.csv",),' in (tmp_path / "into" / "data" / "assignment.py").read_text()
+
+
+def test_what_the_course_lacks_is_named_once_with_the_notebooks_that_need_it(tmp_path, capsys):
+    lab = written(tmp_path / "lab", "__init__.py", "import sympy\nimport no_such_package\n").parent
+    written(tmp_path, "requirements.txt", "numpy\nno-such-package>=2\n-e .\n")
+    setup = notebook(("code", "s", [], "import lab"), ("code", "c", ["solution"], 'validate.check(x, "a")'))
+    for name in ("one", "two"):
+        written(tmp_path / "in", f"{name}.ipynb", setup.replace("solution", "validation"))
+    command = ["import-notebook", str(tmp_path / "in"), "--into", str(tmp_path / "into")]
+    with known():
+        assert main([*command, "--package", str(lab)]) == 0
+    printed = capsys.readouterr().out
+    assert printed.count("no_such_package is not installed") == 1
+    assert (
+        "no_such_package is not installed on this machine (the course's requirements.txt: no-such-package>=2)"
+        "; one.ipynb, two.ipynb cannot run without it"
+    ) in printed
+    assert 'packages=("sympy",),' in (tmp_path / "into" / "one" / "assignment.py").read_text()

@@ -7,7 +7,7 @@ import pytest
 
 from exercises.authoring.mutants.solution import Variant
 from service.cli.__main__ import main
-from service.cli.mutants import MutantResult, _versions, grade_mutants, kill_rate, table
+from service.cli.mutants import MutantResult, _versions, grade_mutants, kill_rate, table, together
 from tests.support.assignments import known
 
 
@@ -94,3 +94,11 @@ def test_the_rate_counts_wrong_functions_that_return_numbers():
     no_numbers = MutantResult(one, "f", wrong=True, accepted=False, measured=False)
     found = [rejected, rejected, right, accepted, no_numbers]
     assert kill_rate(found) == "2 of 3 wrong functions that return numbers fail a check (66.7 %)"
+
+
+def test_a_mutant_of_a_function_with_two_cases_is_one():
+    one, two = Variant("a", "x", "changed"), Variant("a", "y", "changed elsewhere")
+    of_numbers = MutantResult(one, "f", wrong=False, accepted=True)
+    of_arrays = MutantResult(one, "f", wrong=True, accepted=False)
+    other = MutantResult(two, "f", wrong=True, accepted=True)
+    assert list(together([of_numbers, other, of_arrays])) == [of_arrays, other]

@@ -341,7 +341,7 @@ SLUGS = [
     "class",
     "a" * 61,
     "rigid-body",
-    "wheel",
+    "authoring",
     "kit",
     "a\n",
 ]

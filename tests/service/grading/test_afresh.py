@@ -12,6 +12,7 @@ def walk(walkers, steps, p, rng):
     step = np.where({draw} < p, 1, -1)
     return np.hstack([np.zeros((walkers, 1)), np.cumsum(step, axis=1)])
 """
+POINTS = 16  # of exercise 1
 OWN = "own = np.random.default_rng(1)\nmemory = {}\n"
 REMEMBER = """
 def walk(walkers, steps, p, rng):
@@ -61,7 +62,7 @@ def repeated(assignment, sandbox, source):
 )
 def test_a_function_that_draws_from_its_generator_passes(walks, sandbox, draw):
     report, _ = repeated(walks, sandbox, WALK.format(draw=draw))
-    assert report.passed, report.text()
+    assert report.passed and report.score == POINTS, report.text()
 
 
 def test_a_function_that_caches_what_does_not_depend_on_its_generator_passes(walks, sandbox):
@@ -75,7 +76,7 @@ def test_a_function_that_caches_what_does_not_depend_on_its_generator_passes(wal
 def test_a_function_that_ignores_its_generator_fails_whatever_it_remembers(walks, sandbox, name):
     report, found = repeated(walks, sandbox, IGNORANT[name])
     assert {o.verdict for o in found} == {Verdict.FAIL}, report.text()
-    assert report.score <= 10
+    assert report.score <= POINTS - 4
     assert "draw all numbers from the argument" in found[0].line
 
 

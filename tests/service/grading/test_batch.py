@@ -9,6 +9,7 @@ import pytest
 
 from service.formats.source_lines import SourceLines
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.sandbox.guest_process import PREFIX
 from service.sandbox.select import choose
 from tests.support.big_notebook import with_outputs
 
@@ -82,4 +83,4 @@ def test_two_processes_grade_as_one_does_and_leave_no_folder(rigid_body, tmp_pat
     alone, together = (list(grade_files(requests, wanted, choose(), jobs)) for jobs in (1, 2))
     assert [file.report.text() for file in together] == [file.report.text() for file in alone]
     assert [file.passed for file in together] == [True, False, True]
-    assert data or not list(tmp_path.glob("polhode-guest-*"))
+    assert data or not list(tmp_path.glob(f"{PREFIX}*"))

@@ -171,3 +171,110 @@ def test_reports_keep_the_remarks(graded):
     report = graded(EULER, INTEGRATE)
     assert remarks(read(Report, document(report))) == remarks(report)
     assert f"<p>{REMARK.format('heun_step')}</p>" in html(report)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "used"),
+    [
+        ("namedtuple('Elements', 'a e omega')(a, 2 * e, omega)", "el.a, el.e, el.omega"),
+        ("{'a': a, 'e': 2 * e, 'omega': omega}", "el['a'], el['e'], el['omega']"),
+        ("np.array([a, 2 * e, omega])", "el.tolist()"),
+        ("[a, 2 * e, omega]", "el.copy()"),
+    ],
+)
+def test_the_reference_returns_its_values_in_the_students_form(sandbox, tmp_path, wrong, used):
+    with known(orbits(tmp_path)) as catalogue:
+        assert not catalogue.invalid, catalogue.invalid
+        report = grade(
+            Submission(ELEMENTS.format(wrong=wrong, used=used)), catalogue.valid["orbits"], sandbox, 3
+        ).report
+    assert passed(report) == {"perihelion"}, report.text()
+    assert remarks(report) == {"perihelion": [REMARK.format("elements")]}
+
+
+def test_a_variable_comes_from_the_reference_in_the_students_form(sandbox, tmp_path):
+    with known(orbits(tmp_path, CELL)) as catalogue:
+        assert not catalogue.invalid, catalogue.invalid
+        wrong = "namedtuple('Elements', 'a e omega')(a, 2 * e, omega)"
+        source = ELEMENTS.format(wrong=wrong, used="el") + "ratio = elements(np.array([1.0, 2.0])).e\n"
+        report = grade(Submission(source), catalogue.valid["orbits"], sandbox, 3).report
+    assert "ratio" in passed(report), report.text()
+
+
+def test_a_later_function_that_only_the_reference_stops_keeps_its_own_result(sandbox, tmp_path):
+    class_ = "type('Elements', (), {'a': a, 'e': 2 * e, 'omega': omega})()"
+    with known(orbits(tmp_path)) as catalogue:
+        source = ELEMENTS.format(wrong=class_, used="el.a, el.e, el.omega")
+        report = grade(Submission(source), catalogue.valid["orbits"], sandbox, 3).report
+    assert not remarks(report), report.text()
+    assert {o.verdict for o in report.outcomes() if o.label.startswith("perihelion")} == {Verdict.FAIL}
+
+
+ELEMENTS = """
+from collections import namedtuple
+
+def elements(y):
+    a, e, omega = y[0] + y[1], y[0] / y[1], y[0] * y[1]
+    return {wrong}
+
+def perihelion(y):
+    el = elements(y)
+    a, e, omega = {used}
+    return a * (1 - e) * np.cos(omega)
+"""
+
+
+def orbits(tmp_path, cell=""):
+    """An assignment whose second function uses the three values of the first."""
+    folder = tmp_path / "orbits"
+    folder.mkdir()
+    (folder / "assignment.py").write_text(DECLARED + cell)
+    return folder
+
+
+DECLARED = """
+import numpy as np
+from exercises.authoring.questions.author import Notebook, Tolerance, uniform
+from exercises.authoring.kinds.values import values
+
+notebook = Notebook("Orbits", setup="import numpy as np")
+ROUNDING = Tolerance(limit=1e-12, reason="rounding")
+
+
+def elements(y):
+    return y[0] + y[1], y[0] / y[1], y[0] * y[1]
+
+
+def in_logarithms(y):
+    return np.sum(y), np.exp(np.log(y[0]) - np.log(y[1])), np.prod(y)
+
+
+def perihelion(y):
+    a, e, omega = elements(y)
+    return a * (1 - e) * np.cos(omega)
+
+
+def by_hand(y):
+    return (y[0] + y[1]) * (1 - y[0] / y[1]) * np.cos(y[0] * y[1])
+
+
+asked = {"y": uniform(1, 2, 2)}
+agree = {"a": ROUNDING, "e": ROUNDING, "omega": ROUNDING}
+notebook.exercise("1", "Elements", values(elements, asked, truth=in_logarithms, agree=agree))
+asked = values(perihelion, asked, truth=by_hand, agree=ROUNDING, uses=[elements])
+notebook.exercise("2", "Perihelion", asked)
+"""
+
+CELL = """
+
+from exercises.authoring.kinds.variables import variables
+
+
+def half():
+    _, ratio, _ = elements(np.array([1.0, 2.0]))
+    return ratio
+
+
+asked = variables(half, {"ratio": 0.5}, agree={"ratio": ROUNDING}, uses=[elements])
+notebook.exercise("3", "A ratio", asked)
+"""

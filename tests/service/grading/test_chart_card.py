@@ -27,7 +27,14 @@ def test_the_solution_is_a_ghost_with_one_name_and_the_lines_have_theirs():
     swept = SweepResult("s", points(1, stopped=True), "", points(0.1), [], 1e-8, 72.7, 1e-4)
     svg = draw(card(swept)).decode()
     assert svg.count(">the solution<") == 1 and svg.count("curve ghost") == 2
-    for name in ("DOP853", "LSODA", "tolerance of the check", "κ·2⁻⁵²", "κ·2⁻²³, float32", "closed form"):
+    for name in (
+        "DOP853",
+        "LSODA",
+        "tolerance of the check",
+        "float64, κ·2⁻⁵²",
+        "float32, κ·2⁻²³",
+        "closed form",
+    ):
         assert svg.count(f">{name}<") == 1, name
     assert svg.count(">×<") == 1
 

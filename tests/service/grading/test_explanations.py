@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exercises.authoring.mutants.solution import Variant
-from service.grading.explanations import causes, diagnoses, wrong_components
+from service.grading.explanations import causes, components, diagnoses, wrong_components
 from service.grading.quoting import StudentCode
 
 TOLERANCE = {"rtol": 1e-9, "atol": 0.0, "reason": "rounding"}
@@ -22,7 +22,11 @@ def explained(seen, predicted=None, truth=TRUTH, asked=None, inputs=None):
     asked = asked or question("value", drawn=tuple(inputs or ()))
     seen = seen | {f"at_{name}": array for name, array in (inputs or {}).items()}
     wrong = wrong_components(asked, seen, truth)
-    return [(d.code, d.sentence) for d in diagnoses(causes(asked, seen, truth, predicted or {}, wrong), CODE)]
+    found, right = (
+        causes(asked, seen, truth, predicted or {}, wrong),
+        len(components(asked, seen)) - len(wrong),
+    )
+    return [(d.code, d.sentence) for d in diagnoses(found, CODE, right)]
 
 
 def changed(*columns):
@@ -99,3 +103,69 @@ def test_two_changes_are_two_diagnoses():
     seen = changed((0, T), (1, T), (2, T))
     pair = Variant("sign-flipped", "one", "x", both=(first, second))
     assert [code for code, _ in explained(seen, {pair: seen})] == ["sign-flipped", "wrong-power"]
+
+
+def test_the_right_components_in_another_order():
+    seen = {"value": TRUTH["value"][:, [1, 2, 0]]}
+    assert explained(seen) == [("component-order", "force returns the right components in the order 2, 3, 1")]
+
+
+def test_the_right_values_in_another_order():
+    truth = {"x": np.sin(T), "v": np.cos(T)}
+    seen = {"x": truth["v"], "v": truth["x"]}
+    assert explained(seen, truth=truth, asked=question("x", "v")) == [
+        ("component-order", "force returns the right values as v, x: the exercise asks for x, v")
+    ]
+
+
+def test_equal_values_have_no_other_order():
+    truth = {"x": np.sin(T), "v": np.sin(T)}
+    assert explained(truth, truth=truth, asked=question("x", "v")) == []
+
+
+def test_a_change_in_general_words_gives_way_to_what_the_numbers_show():
+    seen = changed((1, -2 - T**2), (2, 3 * np.exp(-T)))
+    variant = Variant("wrong-power", "the exponent `k` of `x**k` is missing", "")
+    assert explained(seen, {variant: seen}) == [
+        ("sign-flipped", "component 2 of force has the opposite sign"),
+        ("constant-factor", "component 3 of force is 3 times the right value"),
+    ]
+
+
+def test_a_change_in_general_words_names_the_wrong_component_if_others_are_right():
+    seen = changed((1, 2 + T**3))
+    variant = Variant("wrong-power", "the exponent `k` of `x**k` is missing", "")
+    assert explained(seen, {variant: seen}) == [("wrong-power", "component 2: a power or a root is wrong")]
+
+
+def test_two_changes_of_another_form_are_not_named():
+    first, second = (Variant("sign-flipped", f"the term `{x}` has the opposite sign", "") for x in "ab")
+    seen = changed((1, 2 + T**3))
+    both = Variant(first.code, first.sentence, "", both=(first, second))
+    assert explained(seen, {both: seen}) == []
+
+
+def test_a_declared_mistake_names_its_component_if_another_one_is_wrong_too():
+    mistake = Variant("wrong-power", "the force falls as 1/r", "", declared=True)
+    alone = changed((0, T), (2, T**3))
+    assert explained(changed((0, T), (2, T**2)), {mistake: changed((0, T))}) == [
+        ("wrong-power", "component 1: the force falls as 1/r")
+    ]
+    assert explained(changed((0, T)), {mistake: alone}) == [("wrong-power", "the force falls as 1/r")]
+
+
+def test_absolute_values_are_named():
+    truth = {"value": np.sin(5 * T)}
+    assert explained({"value": np.abs(truth["value"])}, truth=truth) == [
+        ("absolute-value", "force is the absolute value of the right one")
+    ]
+
+
+def test_a_value_whose_components_are_all_wrong_is_named_as_a_whole():
+    truth = {"x": TRUTH["value"], "v": TRUTH["value"] + 1}
+    mistake = Variant("missing-term", "the half step is missing", "", declared=True)
+    seen = {"x": truth["x"] ** 2, "v": truth["v"] ** 3}
+    predicted = {mistake: {"x": truth["x"] ** 2, "v": truth["v"] ** 2}}
+    assert explained(seen, predicted, truth, question("x", "v")) == [
+        ("missing-term", "the value x: the half step is missing")
+    ]

@@ -108,6 +108,9 @@ def test_only_what_is_asked_for_is_graded(files, rigid_body, sandbox):
     assert [e.number for e in report.exercises] == ["2", "4"]
     with pytest.raises(UnknownExercise, match="no exercise 7"):
         graded(files, "right_all.py", rigid_body, sandbox, numbers=["2", "7"])
+    with pytest.raises(UnknownExercise, match="no exercise 777") as raised:
+        graded(files, "right_all.py", rigid_body, sandbox, numbers=["7" * 5000])
+    assert len(str(raised.value)) < 200
 
 
 def test_a_missing_function_is_unmeasured_with_its_cause(files, rigid_body, sandbox):

@@ -4,6 +4,8 @@ server.
 
 import asyncio
 import itertools
+from collections import Counter
+from uuid import UUID
 
 from service.http import live
 from service.http.live import ChangeFeed, Listener
@@ -108,3 +110,44 @@ def test_a_request_for_the_result_is_not_woken_by_progress():
         return seen
 
     assert run_with_feed(action) == [(1, 1), (2, 1), (3, 2), (3, 2), (3, 2)]
+
+
+def test_all_requests_that_wait_for_a_submission_share_one_query_for_each_of_its_changes(monkeypatch):
+    monkeypatch.setattr(live, "STATE_CACHED_S", 60.0)
+    source, submission, others = {"value": 1}, UUID(int=1), UUID(int=2)
+    asked, seen = [], Counter()
+
+    async def state(database, id):
+        asked.append(id)
+        found = source["value"]
+        await asyncio.sleep(0.01)
+        return found
+
+    async def action(feed, source_of_feed, listener):
+        async def wait(id):
+            async for _ in listener.wait_for_changes(str(id), 30.0):
+                seen[await listener.state(id)] += 1
+
+        tasks = [asyncio.create_task(wait(submission)) for _ in range(200)]
+        tasks.append(asyncio.create_task(wait(others)))
+        while seen[1] < 201:
+            await asyncio.sleep(0.01)
+        for value in (2, 3):
+            source["value"] = value
+            listener._wake(f"{submission}{PROGRESS}")
+            while seen[value] < 200:
+                await asyncio.sleep(0.01)
+        before = Counter(asked)
+        source["value"] = 4
+        listener._wake_all()  # after notifications may have been lost
+        while seen[4] < 201:
+            await asyncio.sleep(0.01)
+        listener.leave()
+        await asyncio.gather(*tasks)
+        return before, listener
+
+    monkeypatch.setattr(live.records, "state", state)
+    before, listener = run_with_feed(action)
+    assert before == {submission: 3, others: 1}
+    assert (seen[1], seen[2], seen[3]) == (201, 200, 200)
+    assert listener._states == {}, "nobody waits"

@@ -49,7 +49,7 @@ def worker(url):
     environment = os.environ | {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1"}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL) as started:
         try:
-            wait_for(lambda: sql(url, "SELECT 1 FROM worker WHERE isolation IS NOT NULL"), 60)
+            wait_for(lambda: sql(url, "SELECT 1 FROM worker WHERE isolation IS NOT NULL"), 240)
             yield
         finally:  # also where it was not ready in time: the end of the block waits for the process
             started.terminate()

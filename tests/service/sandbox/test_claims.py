@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from polhode.judging.judge import Verdict
-from service.sandbox.claims import read
+from service.sandbox.claims import Field, read, shape_of
 from service.sandbox.guest.claims import MOST_NUMBERS
 from service.sandbox.untrusted_text import text
 
 CLOSE = {
-    **{"kind": "close", "label": "a", "detail": "", "unfit": "", "cell": "cell 1", "left_out": ""},
+    **{"kind": "close", "label": "a", "detail": "", "unjudged": "", "cell": "cell 1", "left_out": ""},
     **{"numbers": {"rtol": 1e-6, "atol": 0.5}, "arrays": {"got": [2], "expected": []}},
 }
 RAW = np.array([1.0, 1.25, 1.0]).tobytes()
 
 
 def judged(header, raw=RAW):
-    cell, _, claim = read(json.loads(json.dumps(header)), raw, {"cell 1"}, text)
+    cell, _, claim, _ = read(json.loads(json.dumps(header)), raw, {"cell 1"}, text)
     return claim.outcome(cell)
 
 
@@ -27,7 +27,7 @@ def test_the_host_judges_the_numbers_again():
     assert found.line == "✓  a   [max|Δ| = 0.25 (rtol=1e-06, atol=0.5)]" and found.cell == "cell 1"
     assert judged(CLOSE, np.array([1.0, 1.75, 1.0]).tobytes()).verdict is Verdict.FAIL
     assert judged(CLOSE | {"detail": "max|Δ| = 0"}, np.array([1.0, np.nan, 1.0]).tobytes()).line == (
-        "✗  a   [got holds values that are not finite numbers]"
+        "✗  a   [max|Δ| = nan (rtol=1e-06, atol=0.5)]"
     )
 
 
@@ -45,7 +45,10 @@ def test_complex_numbers_are_compared_by_their_distance():
     ("changed", "line"),
     [
         ({"left_out": "too many", "arrays": {}}, "–  a   [not measured: too many]"),
-        ({"unfit": "got is None", "arrays": {}}, "✗  a   [got is None]"),
+        (
+            {"unjudged": "too many", "arrays": {}, "said": True},
+            "✓  a   [as your notebook reports it, not judged again: too many]",
+        ),
     ],
 )
 def test_what_has_no_arrays_says_why(changed, line):
@@ -61,7 +64,11 @@ def test_texts_are_made_harmless():
 @pytest.mark.parametrize(
     ("changed", "raw"),
     [
+        ({"kind": "not a word"}, RAW),
+        ({"kind": "a" * 61}, RAW),
         ({"kind": "perfect"}, RAW),
+        ({"said": "yes"}, RAW),
+        ({"raised": 1}, RAW),
         ({"kind": ["close"]}, RAW),
         ({"complex": ["got"]}, RAW),
         (
@@ -108,3 +115,77 @@ def test_no_numbers_break_the_judgement(kind, values, number):
     header = CLOSE | {"kind": kind, "numbers": dict.fromkeys(KINDS[kind].numbers, number)}
     header |= {"arrays": {name: [len(values)] for name in KINDS[kind].arrays}}
     assert isinstance(judged(header, raw).verdict, Verdict)
+
+
+FIELD = {
+    "kind": "close",
+    "label": "a",
+    "cell": "cell 1",
+    "numbers": {"rtol": 1e-6, "atol": 0.5},
+    "arrays": {"got": [2 * MOST_NUMBERS], "expected": []},
+    "blocks": ["got"],
+    "shape": [2, MOST_NUMBERS],
+}
+
+
+def field(changed, raw=RAW[:8], truth=None):
+    header = FIELD | changed
+    cell, place, claim, long = read(header, raw, {"cell 1"}, text)
+    return Field(cell, place, claim, long, shape=shape_of(header, long), truth=truth)
+
+
+@pytest.mark.parametrize(
+    ("value", "truth", "line"),
+    [
+        (1.25, None, "✓  a   [max|Δ| = 0.25 (rtol=1e-06, atol=0.5)]"),
+        (2.0, None, "✗  a   [max|Δ| = 1 (rtol=1e-06, atol=0.5)]"),
+        (np.nan, None, "✗  a   [max|Δ| = nan (rtol=1e-06, atol=0.5)]"),
+        (2.0, 1.75, "✓  a   [max|Δ| = 0.75 (rtol=1e-06, atol=0.5)]"),
+        (1.0, np.ones(MOST_NUMBERS), "✓  a   [max|Δ| = 0 (rtol=1e-06, atol=0.5)]"),
+        (1.0, np.ones(3), "✗  a"),
+    ],
+)
+def test_a_field_is_judged_block_by_block(value, truth, line):
+    made, numbers = field({}, truth=truth), np.ones(2 * MOST_NUMBERS)
+    numbers[-1] = value
+    if truth is not None and np.ndim(truth) == 0:
+        numbers[:-1], made = 2.5, field({"numbers": {"rtol": 1e-6, "atol": 0.8}}, truth=truth)
+        line = line.replace("atol=0.5", "atol=0.8")
+    for first in range(0, len(numbers), MOST_NUMBERS):
+        assert not made.complete
+        made.add(numbers[first : first + MOST_NUMBERS].tobytes())
+    assert made.complete and made.claim.outcome("cell 1").line.startswith(line)
+    with pytest.raises(ValueError):
+        made.add(numbers[:1].tobytes())
+
+
+def test_a_long_series_is_compared_with_its_first_value():
+    header = {"kind": "conserved", "numbers": {"rel_drift": 0.1}, "blocks": ["series"], "shape": [70_000]}
+    made, series = field(header | {"arrays": {"series": [70_000]}}, b""), np.full(70_000, 2.0)
+    series[60_000:] = 2.3
+    made.add(series[:65_536].tobytes())
+    made.add(series[65_536:].tobytes())
+    assert made.claim.outcome("cell 1").line == "✗  a   [max relative drift = 0.15 (limit 0.1)]"
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"blocks": ["expected"]},
+        {"blocks": ["no"]},
+        {"blocks": "got"},
+        {"shape": [3]},
+        {"shape": [-2, -MOST_NUMBERS]},
+        {"arrays": {"got": [10**7 + 1], "expected": []}, "shape": [10**7 + 1]},
+        {"arrays": {"got": [10], "expected": []}, "shape": [10]},
+    ],
+)
+def test_what_is_no_field_is_refused(changed):
+    with pytest.raises(ValueError):
+        field(changed)
+
+
+@pytest.mark.parametrize("raw", [b"", bytes(7), bytes(8 * (2 * MOST_NUMBERS + 1))])
+def test_what_is_no_block_is_refused(raw):
+    with pytest.raises(ValueError):
+        field({}).add(raw)

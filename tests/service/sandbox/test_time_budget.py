@@ -197,6 +197,26 @@ def test_a_submission_without_a_processor_is_not_judged(sandbox, one_busy_proces
         sandbox.play(job(COMPUTE, scene("one", budget_s=0.3)))
 
 
+@pytest.mark.parametrize("computes", [True, False], ids=["computes", "sleeps"])
+def test_the_sandbox_says_how_long_a_play_has_waited_for_a_processor_while_it_runs(sandbox, computes):
+    source = COMPUTE if computes else "import time\ndef f(x):\n    time.sleep(0.5)\n    return [x, x]"
+    during = []
+    with shared_with(3, sandbox):
+        before, began = sandbox.waited_s, time.monotonic()
+        playing = threading.Thread(
+            target=sandbox.play, args=(job(source, *(scene(f"s{k}", budget_s=3.0) for k in range(2))),)
+        )
+        playing.start()
+        while playing.is_alive():
+            during.append(sandbox.waited_s - before)
+            time.sleep(0.02)
+        after, took = sandbox.waited_s - before, time.monotonic() - began
+    if computes:  # half a second, with a quarter of a processor
+        assert 0.5 < after < took and 0.5 * after < max(during) < 1.1 * after
+    else:
+        assert after < 0.5 < took
+
+
 @pytest.mark.slow
 def test_a_submission_that_waits_through_the_limit_of_all_scenes_is_not_judged(sandbox):
     limits = TimeLimits(cpu_s=10.0, wall_s=2.5)  # eight scenes need 2 s of a processor

@@ -191,20 +191,18 @@ CLAIM_HEAD = {
     "kind": "check",
     "label": "a",
     "detail": "",
-    "unfit": "",
+    "unjudged": "",
     "left_out": "",
     "cell": "cell 1",
     "numbers": {},
 }
-CLAIM = headed(CLAIM_HEAD | {"arrays": {"condition": []}}, struct.pack("<d", 1.0), b"C")
+CLAIM = headed(CLAIM_HEAD | {"arrays": {"passed": []}}, struct.pack("<d", 1.0), b"C")
 DEFINED = event(event="defined", names=[], missing=[], claims_left_out=7)
 
 
 def test_claims_are_taken_while_the_cells_run_up_to_a_number():
     _, seen = read(*[CLAIM] * MOST_CLAIMS, DEFINED, at_once=False)
-    assert [check.line for check in seen.claims] == [
-        "✓  a   [True]"
-    ] * MOST_CLAIMS and seen.claims_left_out == 7
+    assert [check.line for check in seen.claims] == ["✓  a"] * MOST_CLAIMS and seen.claims_left_out == 7
     left_out = [
         event(event="defined", names=[], missing=[], claims_left_out=many)
         for many in (-1, 1.5, True, "7", 1 << 60)

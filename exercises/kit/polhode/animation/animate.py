@@ -17,9 +17,9 @@ RENDERING = {
 _watchers: list[None] = []
 
 
-def show(anim: Any) -> Any:
-    """Display a matplotlib ``Animation`` as a JavaScript player. End a cell with it, or return it from your
-    function.
+def show(anim: Any, **player: Any) -> Any:
+    """Display a matplotlib ``Animation`` as a JavaScript player, with these arguments of ``to_jshtml``. End a
+    cell with it, or return it from your function.
 
     Returns ``anim`` itself outside IPython and inside :func:`watched`.
     """
@@ -28,7 +28,7 @@ def show(anim: Any) -> Any:
         return anim
     from IPython.display import HTML
 
-    return HTML(anim.to_jshtml())
+    return HTML(anim.to_jshtml(**player))
 
 
 @contextmanager

@@ -6,6 +6,7 @@ A folder holds ``made.json`` (``build``, a hash of the content, and ``server``, 
 ``data`` and ``course``.
 """
 
+import contextlib
 import io
 import json
 import os
@@ -17,7 +18,7 @@ from pathlib import Path
 from polhode.client.errors import NotebookError
 from polhode.client.http import call
 
-MADE = "made.json"
+MADE, CONNECTED = "made.json", "connected.txt"
 PATIENCE_S = 5.0
 
 
@@ -48,6 +49,21 @@ def made(slug: str) -> dict[str, str]:
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
+
+
+def remember(slug: str) -> None:
+    """Keep which assignment a notebook has connected to last."""
+    with contextlib.suppress(OSError):
+        folder().mkdir(parents=True, exist_ok=True)
+        (folder() / CONNECTED).write_text(slug, encoding="utf-8")
+
+
+def last() -> str | None:
+    """Return the assignment that a notebook has connected to last, None if there is none."""
+    try:
+        return (folder() / CONNECTED).read_text(encoding="utf-8").strip() or None
+    except (OSError, RuntimeError, ValueError):
+        return None
 
 
 def fetch(server: str, slug: str) -> None:

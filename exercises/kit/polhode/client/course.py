@@ -1,13 +1,19 @@
 """The server and the assignment of a notebook."""
 
+import importlib.util
 import os
+import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 from polhode.client import cache
 from polhode.client.data_files import copy_data
 from polhode.client.errors import NotebookError, RequestError
+
+WORD = re.compile(r"^def (check|close)\(", re.MULTILINE)  # which validation cells of all courses call
 
 
 class UnknownCourse(NotebookError):
@@ -45,17 +51,49 @@ def connect(server: str | None = None, assignment: str | None = None) -> None:
             kept = "the checks and files that came earlier are used" if cache.made(assignment) else ""
             print(f"{error} {f'Until then {kept}.' if kept else ''}".rstrip())
     copy_data(cache.home(assignment) / "data")
-    _use_packages(str(cache.home(assignment) / "course"))
+    cache.remember(assignment)
+    use_packages(assignment)
+    for sentence in _lacking(cache.home(assignment) / "course"):
+        print(sentence)
 
 
-def _use_packages(folder: str) -> None:
-    """Let the packages in ``folder`` be imported, after all others, and no more those of another
-    assignment.
+def use_packages(assignment: str) -> None:
+    """Let the course's packages that came with an assignment be imported, after all others, and no more those
+    of another assignment.
     """
-    root = str(cache.folder())
+    root, folder = str(cache.folder()), str(cache.home(assignment) / "course")
     sys.path[:] = [path for path in sys.path if not path.startswith(root)]
     if os.path.isdir(folder):
         sys.path.append(folder)
+
+
+def _lacking(folder: Path) -> Iterator[str]:
+    """Yield a sentence for each installed package that hides one in ``folder`` and lacks modules or words of
+    it.
+    """
+    for own in sorted(path for path in folder.glob("*") if (path / "__init__.py").is_file()):
+        with suppress(ImportError, ValueError):
+            spec = importlib.util.find_spec(own.name)
+            home = Path((spec and (spec.origin or next(iter(spec.submodule_search_locations or ())))) or "")
+            home = home.parent if home.suffix else home
+            if spec is None or home == own:
+                continue
+            parts = sorted(path for path in own.glob("[!_]*.py"))
+            absent = [f"{own.name}.{part.stem}" for part in parts if not _has(home, part)]
+            if absent:
+                yield (
+                    f"The package {own.name} that is installed in {home} is not the course's: it lacks"
+                    f" {', '.join(absent)}. Run %pip uninstall {own.name}, or rename the folder, and restart"
+                    " the kernel."
+                )
+
+
+def _has(home: Path, part: Path) -> bool:
+    """Return whether a package has a module, and if that has validation words, these."""
+    if not (home / part.name).is_file():
+        return (home / part.stem).is_dir() or any(home.glob(f"{part.stem}.*.*"))
+    defined = [set(WORD.findall(path.read_text(encoding="utf-8"))) for path in (part, home / part.name)]
+    return defined[0] <= defined[1]
 
 
 def server(given: str | None = None, assignment: str | None = None) -> str:

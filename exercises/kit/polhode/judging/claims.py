@@ -1,9 +1,10 @@
-"""A call of ``validate`` as data, and its judgement: the notebook prints it, and a server can
-judge the same numbers again.
+"""A call of a course's validation word as data, and its judgement by the meaning that the course's package
+gives the word: what ``numpy.allclose`` compares, a drift relative to the first value.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from polhode.judging import judge
 from polhode.judging.judge import Judgement, Verdict
 
 Array = NDArray[np.float64] | NDArray[np.complex128]
+MODULE, WORDS = "validate", "words.txt"
 MOST_LABEL, MOST_DETAIL = 200, 500  # characters
 
 
@@ -28,11 +30,12 @@ class Kind(NamedTuple):
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of a notebook. ``unfit`` says why an argument is not an array of numbers; ``arrays`` then
-    lacks it. Only those of kind "close" may be complex.
+    """A call of a validation word. Only arrays of kind "close" may be complex.
 
-    ``left_out`` says why the arrays of a claim received from elsewhere are missing; the claim is then
-    unmeasured. ``detail`` is the text of a claim of kind "check"; other kinds derive theirs from the numbers.
+    ``detail`` is what the package printed in the brackets, after the ``mark``, and ``own`` the detail that
+    the call passed. ``said`` is the verdict of the package itself, which ``raised`` if it was strict.
+    ``unjudged`` says why the arrays are missing although the claim counts as the package said; ``left_out``
+    why it counts for nothing. ``found`` is the judgement of arrays that came in blocks.
     """
 
     kind: str
@@ -40,28 +43,37 @@ class Claim:
     arrays: Mapping[str, Array] = field(default_factory=dict)
     numbers: Mapping[str, float] = field(default_factory=dict)
     detail: str = ""
-    unfit: str = ""
+    mark: str = ""
+    own: str = ""
+    said: bool = False
+    raised: bool = False
+    unjudged: str = ""
     left_out: str = ""
+    found: Judgement | None = None
 
     def judged(self) -> Judgement:
-        """Return the judgement. An argument that is not an array of finite numbers fails, and the detail
-        names it.
-        """
-        kind = KINDS[self.kind]
+        """Return the judgement, with the detail that was printed if its mark is that of the verdict."""
         if self.left_out:
             return Judgement(Verdict.UNMEASURED, f"not measured: {self.left_out}")
-        if self.unfit:
-            return Judgement(Verdict.FAIL, self.unfit)
-        for name in kind.arrays:
-            if not np.all(np.isfinite(self.arrays[name])):
-                return Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers")
+        if self.unjudged:
+            reported = f"as your notebook reports it, not judged again: {self.unjudged}"
+            return judge.holds(self.said, f"{self.detail}; {reported}" if self.detail else reported)
+        found = self.found or self._found()
+        printed = self.mark == judge.MARKS[found.verdict]
+        detail = self.detail if printed else self.own or found.detail
+        return Judgement(found.verdict, detail, found.measured, found.expected, found.margin)
+
+    def with_block(self, arrays: Mapping[str, Array]) -> "Claim":
+        """Return the claim judged by one more block of its arrays."""
+        found = replace(self, arrays={**self.arrays, **arrays})._found()
+        return replace(self, found=found if self.found is None else _together(self.kind, self.found, found))
+
+    def _found(self) -> Judgement:
+        kind = kind_of(self.kind)
         with np.errstate(all="ignore"):
-            found = kind.judge(
+            return kind.judge(
                 *(self.arrays[a] for a in kind.arrays), *(self.numbers[n] for n in kind.numbers)
             )
-        return Judgement(
-            found.verdict, self.detail or found.detail, found.measured, found.expected, found.margin
-        )
 
     def outcome(self, cell: str) -> "NotebookCheck":
         """Return the judged claim, made in ``cell``, as a report's NotebookCheck."""
@@ -93,21 +105,14 @@ class NotebookCheck:
         return judge.line(self.verdict, self.label, self.detail)
 
 
-def claim(
-    kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str, float], detail: Any = ""
-) -> Claim:
-    """Return a claim for whatever a student passed as ``given``. Never raises for an argument of the wrong
-    kind.
-    """
-    arrays, unfit = {}, ""
-    for name, value in given.items():
-        try:
-            arrays[name] = (
-                _truth(value) if kind == "check" else _numbers(name, value, of_complex=kind == "close")
-            )
-        except _Unfit as reason:
-            unfit = unfit or str(reason)
-    return Claim(kind, one_line(label, MOST_LABEL), arrays, numbers, one_line(detail, MOST_DETAIL), unfit)
+def _together(kind: str, one: Judgement, other: Judgement) -> Judgement:
+    """Return the judgement of two blocks: ✓ if both are, with the detail of the block that is worse."""
+    sign = -1.0 if kind == "positive" else 1.0
+    measured = [np.inf if np.isnan(m) else sign * m for m in (one.measured or 0.0, other.measured or 0.0)]
+    worse = other if measured[1] > measured[0] else one
+    both = one.verdict is other.verdict is Verdict.PASS
+    margins = [found.margin for found in (one, other) if found.margin is not None]
+    return replace(worse, verdict=judge.verdict(both), margin=min(margins, default=None))
 
 
 def one_line(value: Any, most: int) -> str:
@@ -118,77 +123,76 @@ def one_line(value: Any, most: int) -> str:
         return type(value).__name__
 
 
-class _Unfit(Exception):
-    """An argument is not an array of numbers that the kind of claim compares."""
-
-
-def _numbers(name: str, value: Any, *, of_complex: bool) -> Array:
-    """Return the values as real numbers, or as complex ones, ``of_complex``, if an imaginary part is not
-    zero.
-    """
-    if isinstance(value, str):
-        raise _Unfit(f"{name} is a string: pass the arrays first and the label last")
-    if value is None:
-        raise _Unfit(f"{name} is None: nothing was computed or returned")
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind == "O":
-            array = _floats(array)
-        if array.dtype.kind == "c" and not np.any(array.imag):
-            array = array.real
-        if array.dtype.kind in "fiu" or (array.dtype.kind == "c" and of_complex):
-            return array.astype(complex if array.dtype.kind == "c" else float)
-    except Exception as error:
-        raise _Unfit(
-            f"{name} is {type(value).__name__}, not an array of numbers ({one_line(error, 80)})"
-        ) from None
-    raise _Unfit(f"{name} is {array.dtype}, not real numbers")
-
-
-def _floats(array: NDArray[Any]) -> Array:
-    """Return objects, such as numbers of sympy, as real numbers, else as complex ones."""
-    try:
-        return array.astype(float)
-    except TypeError:
-        return array.astype(complex)
-
-
-def _truth(value: Any) -> Array:
-    """Return a condition as 1 or 0: True or False of Python, numpy or sympy, or an array that holds one of
-    them.
-    """
-    if type(value).__module__ == "sympy.logic.boolalg" and type(value).__name__ in (
-        "BooleanTrue",
-        "BooleanFalse",
-    ):
-        value = bool(value)  # sympy's answer to Rational(1, 2) < 1
-    if (
-        not isinstance(value, bool | np.bool_ | np.ndarray)
-        or np.asarray(value).dtype != bool
-        or np.size(value) != 1
-    ):
-        what = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
-        reduce = " (use np.all)" if isinstance(value, np.ndarray) and value.size > 1 else ""
-        raise _Unfit(f"condition is {what}: pass a single True or False{reduce}")
-    return np.asarray(value, dtype=float).reshape(())
-
-
 def _close(got: Array, expected: Array, rtol: float, atol: float) -> Judgement:
-    """Judge two arrays, of which one may be a single number for every element of the other, if it has any."""
-    if 0 in (got.ndim, expected.ndim) and got.size and expected.size:
-        got, expected = np.broadcast_arrays(got, expected)
-    return judge.close(got, expected, rtol, atol)
+    """Judge as ``numpy.allclose``: shapes are broadcast, and equal infinities are close."""
+    tolerance = f"(rtol={rtol:g}, atol={atol:g})"
+    try:
+        np.broadcast_shapes(got.shape, expected.shape)
+        fits = bool(got.size) == bool(expected.size)
+    except ValueError:
+        fits = False
+    if not fits:
+        shapes = f"shape {got.shape} vs expected shape {expected.shape} {tolerance}"
+        return Judgement(Verdict.FAIL, shapes, misshapen=True)
+    verdict = judge.verdict(bool(np.allclose(got, expected, rtol=rtol, atol=atol)))
+    delta = np.where(got == expected, 0.0, np.abs(got - expected))
+    margin = judge.least_margin(delta, np.broadcast_to(atol + rtol * np.abs(expected), delta.shape))
+    if got.size == expected.size == 1 and not np.iscomplexobj(got) and not np.iscomplexobj(expected):
+        seen, want = float(got.real.item()), float(expected.real.item())
+        return Judgement(verdict, f"got {seen:.6g} vs expected {want:.6g} {tolerance}", seen, want, margin)
+    largest = float(delta.max()) if delta.size else 0.0
+    return Judgement(verdict, f"max|Δ| = {largest:.6g} {tolerance}", largest, 0.0, margin)
 
 
-def _check(condition: Array) -> Judgement:
-    ok = bool(np.array_equal(condition, 1.0))
-    return judge.holds(ok, str(ok))
+def _conserved(series: NDArray[np.float64], limit: float) -> Judgement:
+    """Judge the largest drift from the first value, relative to it, or absolute where it is 0."""
+    values = np.atleast_1d(series)
+    first = np.abs(values[:1])
+    drift = np.abs(values - values[:1]) / np.where(first > 0, first, 1.0)
+    largest = float(drift.max()) if drift.size else np.nan
+    margin = judge.least_margin(drift, np.full_like(drift, limit))
+    detail = f"max relative drift = {largest:.6g} (limit {limit:g})"
+    return Judgement(judge.verdict(largest < limit), detail, largest, 0.0, margin)
+
+
+def _check(passed: NDArray[np.float64]) -> Judgement:
+    return judge.holds(bool(np.array_equal(passed, 1.0)), "")
+
+
+def _positive(value: NDArray[np.float64]) -> Judgement:
+    smallest = float(value.min()) if value.size else np.nan
+    return Judgement(judge.verdict(smallest > 0), f"value = {smallest:.6g}", smallest)
+
+
+def _below(value: NDArray[np.float64], limit: float) -> Judgement:
+    largest = float(value.max()) if value.size else np.nan
+    margin = judge.least_margin(value, np.full_like(value, limit))
+    detail = f"{largest:.6g} < {limit:.6g}"
+    return Judgement(judge.verdict(largest < limit), detail, largest, None, margin)
 
 
 KINDS: Mapping[str, Kind] = {
     "close": Kind(("got", "expected"), ("rtol", "atol"), _close),
-    "conserved": Kind(("series",), ("rel_drift",), judge.conserved),
-    "check": Kind(("condition",), (), _check),
-    "positive": Kind(("value",), (), judge.positive),
-    "below": Kind(("value",), ("limit",), judge.below),
+    "conserved": Kind(("series",), ("rel_drift",), _conserved),
+    "check": Kind(("passed",), (), _check),
+    "positive": Kind(("value",), (), _positive),
+    "below": Kind(("value",), ("limit",), _below),
 }
+
+
+def words_in(folder: Path) -> dict[str, list[str]]:
+    """Return the names of a course's words by module: those of KINDS of each module ``validate`` in its
+    folder, and those that its file WORDS names, a line for each module such as ``lab.order: converges``.
+    """
+    places = [*folder.glob(f"*/{MODULE}.py"), *folder.glob(f"{MODULE}.py")]
+    modules = [".".join(place.relative_to(folder).with_suffix("").parts) for place in sorted(places)]
+    found = {module: list(KINDS) for module in modules}
+    text = (folder / WORDS).read_text(encoding="utf-8") if (folder / WORDS).is_file() else ""
+    for module, _, listed in (line.partition(":") for line in text.splitlines() if ":" in line):
+        found[module.strip()] = [*found.get(module.strip(), ()), *listed.replace(",", " ").split()]
+    return found
+
+
+def kind_of(word: str) -> Kind:
+    """Return the kind of a word. One that a course adds is judged by what it says."""
+    return KINDS.get(word, KINDS["check"])

@@ -1,7 +1,7 @@
 """The judgements behind the check words: numbers and an explicit tolerance in, a verdict and its text out.
 
-The notebook (``validate``) and the server use these same functions, so both print the same
-line. NaN, infinity and a wrong shape never pass.
+``polhode.check`` and the server use these same functions, so both print the same line. NaN, infinity and a
+wrong shape never pass.
 """
 
 from collections.abc import Sequence
@@ -56,8 +56,10 @@ class Judgement:
 
 
 def line(verdict: Verdict, label: str, detail: str) -> str:
-    """Return the notebook's ✓/✗ line: mark, two spaces, label, three spaces, [detail]."""
-    return f"{MARKS[verdict]}  {label}   [{detail}]"
+    """Return the notebook's ✓/✗ line: mark, two spaces, label, and if there is a detail, three spaces and
+    [detail].
+    """
+    return f"{MARKS[verdict]}  {label}" + (f"   [{detail}]" if detail else "")
 
 
 def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judgement:
@@ -71,12 +73,12 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
     with np.errstate(invalid="ignore"):
         delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
     where, margin = _worst(delta, allowed)
-    verdict = _verdict(bool(np.all(np.isfinite(want)) and np.all(delta <= allowed)))
+    found = verdict(bool(np.all(np.isfinite(want)) and np.all(delta <= allowed)))
     if want.ndim == 0 and not np.iscomplexobj([seen, want]):
         detail = f"got {seen:.6g} vs expected {want:.6g} {tolerance}"
-        return Judgement(verdict, detail, float(seen), float(want), margin)
+        return Judgement(found, detail, float(seen), float(want), margin)
     largest = float(delta.max()) if delta.size else 0.0
-    return Judgement(verdict, f"max|Δ| = {largest:.6g} {tolerance}", largest, 0.0, margin, where)
+    return Judgement(found, f"max|Δ| = {largest:.6g} {tolerance}", largest, 0.0, margin, where)
 
 
 def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) -> Judgement:
@@ -93,7 +95,7 @@ def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) 
     largest = float(used.max()) if used.size else 0.0
     ok = bool(np.all(np.isfinite(want)) and np.all(used <= limit))
     return Judgement(
-        _verdict(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where
+        verdict(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where
     )
 
 
@@ -110,7 +112,7 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
     where, margin = _worst(drift, np.full_like(drift, limit))
     largest = float(drift.max())
     detail = f"max relative drift = {largest:.6g} (limit {limit:g})"
-    return Judgement(_verdict(bool(np.all(drift <= limit))), detail, largest, 0.0, margin, where)
+    return Judgement(verdict(bool(np.all(drift <= limit))), detail, largest, 0.0, margin, where)
 
 
 def below(value: ArrayLike, limit: float) -> Judgement:
@@ -121,7 +123,7 @@ def below(value: ArrayLike, limit: float) -> Judgement:
     where, margin = _worst(values, np.full_like(values, limit))
     largest = float(values.max())
     ok = bool(np.all(np.isfinite(values)) and np.all(values <= limit))
-    return Judgement(_verdict(ok), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
+    return Judgement(verdict(ok), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
 
 
 def positive(value: ArrayLike) -> Judgement:
@@ -131,7 +133,7 @@ def positive(value: ArrayLike) -> Judgement:
         return Judgement(Verdict.FAIL, "the array is empty: expected at least one number (must be > 0)")
     smallest = float(values.min())
     return Judgement(
-        _verdict(bool(np.all(np.isfinite(values)) and smallest > 0)),
+        verdict(bool(np.all(np.isfinite(values)) and smallest > 0)),
         f"got {smallest:.6g} (must be > 0)",
         smallest,
     )
@@ -139,15 +141,21 @@ def positive(value: ArrayLike) -> Judgement:
 
 def holds(ok: Any, detail: str) -> Judgement:
     """Judge a claim that has its own detail text. Only a true bool passes; an array or NaN does not."""
-    return Judgement(_verdict(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
+    return Judgement(verdict(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
 
 
 def _misshapen(detail: str) -> Judgement:
     return Judgement(Verdict.FAIL, detail, misshapen=True)
 
 
-def _verdict(ok: bool) -> Verdict:
+def verdict(ok: bool) -> Verdict:
+    """Return the verdict of a condition."""
     return Verdict.PASS if ok else Verdict.FAIL
+
+
+def least_margin(delta: Array, allowed: Array) -> float | None:
+    """Return allowed / measured where it is least, None if nothing deviates."""
+    return _worst(delta, allowed)[1]
 
 
 def _worst(delta: Array, allowed: Array) -> tuple[tuple[int, ...] | None, float | None]:

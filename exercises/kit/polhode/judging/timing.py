@@ -1,18 +1,20 @@
 """CPU seconds of a student's right-hand side: of one call, and of a motion by one of SciPy's solvers.
 
 The clock is bound before the submission runs, so that replacing it changes nothing here. It is the thread's:
-that of a process with a limit of CPU time advances in steps of milliseconds.
+that of a process with a limit of CPU time advances in steps of milliseconds. A web page's Python has none.
 """
 
 import statistics
+import time
 from collections.abc import Callable, Iterable
-from time import thread_time
 from typing import NamedTuple
 
 import numpy as np
 
 from polhode.judging.integration import Array, Rates, returning, solve_ivp
 from polhode.judging.return_value import WrongAnswer
+
+thread_time: Callable[[], float] = getattr(time, "thread_time", time.perf_counter)
 
 BATCHES, BATCH = 10, 50  # of calls
 REPEATED = 3

@@ -24,7 +24,7 @@ from polhode.judging.outcome import Diagnosis
 from polhode.kinds import animation, expression, fit, motions, ode, random, stepper, values, variables
 from polhode.kinds.animation import adopted
 from polhode.kinds.asking import each
-from polhode.kinds.values import agreement, finite_alike, own_scale
+from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 
 KINDS: Mapping[str, ModuleType] = {
     "animation": animation,
@@ -97,12 +97,12 @@ def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[D
 def reproduces(
     question: Mapping[str, Any], seen: Arrays, predicted: Arrays, truth: Arrays | None = None
 ) -> bool:
-    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance,
-    others exactly.
+    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, statistics of
+    random numbers to rounding, others exactly.
 
     ``truth`` holds the scales of values that have their own.
     """
-    values = {value["name"]: value for value in question["returns"]}
+    values = {value["name"]: to_rounding(value) for value in question["returns"]}
     return all(
         (
             agreement(

@@ -48,19 +48,35 @@ class NotFinite(WrongAnswer):
 
 
 class Counted:
-    """A function that counts its calls. Raises WrongAnswer at the call after ``most``. Has a name, as any
-    function.
+    """A function that counts its calls, see ``evaluations``. Raises WrongAnswer at the call after ``most``.
+    Has a name, as any function.
     """
 
-    def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
-        self.function, self.__name__, self._most, self.calls = function, name, most, 0
+    def __init__(self, function: Callable[..., Any], name: str, most: int, unit: int = 1) -> None:
+        self.function, self.__name__, self._most, self._unit, self.calls = function, name, most, unit, 0
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the function."""
-        self.calls += 1
+        self.calls += evaluations([*values, *named.values()], self._unit)
         if self.calls > self._most:
             raise WrongAnswer(None, f"it called {self.__name__} more than {self._most} times")
         return self.function(*values, **named)
+
+
+def evaluations(values: Iterable[Any], unit: int) -> int:
+    """Return how many calls a call with these ``values`` counts for: one for each ``unit`` numbers of the
+    longest, so that a call with many places at once is not one call.
+    """
+    return max([1, *(-(-_numbers(value) // unit) for value in values)])
+
+
+def unit_of(given: Iterable[Any]) -> int:
+    """Return the numbers of the longest of the values with which a question calls the student's function."""
+    return max([1, *map(_numbers, given)])
+
+
+def _numbers(value: Any) -> int:
+    return sum(map(_numbers, value)) if isinstance(value, (list, tuple)) else int(np.size(value))
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -84,11 +100,14 @@ def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, 
     }
     values = {**given, **row}
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
+    unit = unit_of(
+        values[name] for name in question["parameters"] if name in values and not callable(values[name])
+    )
     for name, family in question["families"].items():
         if (function := values.get(name)) is None:
             scope = {known: values.pop(known) for known in family["given"]}
             function = expression(family["text"], tuple(family["over"]), scope)
-        values[name] = Counted(function, name, most)
+        values[name] = Counted(function, name, most, unit)
     values |= {name: np.random.default_rng(values[name]) for name in question.get("generators", ())}
     values |= {name: _symbol(name, assumptions) for name, assumptions in question.get("symbols", {}).items()}
     return {parameter: values[parameter] for parameter in question["parameters"]}
@@ -159,8 +178,35 @@ def _copying(function: Any) -> Any:
 
 
 def evaluate(text: str, names: Mapping[str, Any]) -> Any:
-    """Return the value of an author's expression, which may use ``names`` and MATHEMATICS."""
+    """Return the value of an author's expression, which may use ``names`` and MATHEMATICS, or what the last
+    function that ``text`` defines returns: it is called with the ``names`` that it takes.
+    """
+    if is_source(text):
+        function = _defined(text)
+        return function(**{name: names[name] for name in inspect.signature(function).parameters})
     return eval(_code(text), {**MATHEMATICS, **names})  # noqa: S307
+
+
+@functools.cache
+def is_source(text: str) -> bool:
+    """Return whether an author's ``text`` is a source that defines functions, instead of an expression."""
+    return isinstance(ast.parse(text).body[-1], ast.FunctionDef)
+
+
+def _defined(text: str) -> Callable[..., Any]:
+    """Return the last function that a source defines. Its functions may use MATHEMATICS."""
+    code, name = _code_and_name(text)
+    scope = dict(MATHEMATICS)
+    exec(code, scope)
+    function: Callable[..., Any] = scope[name]
+    return function
+
+
+@functools.cache
+def _code_and_name(source: str) -> tuple[Any, str]:
+    """Return the compiled source of functions, and the name of the last one."""
+    tree = ast.parse(source)
+    return compile(tree, "question", "exec"), tree.body[-1].name  # type: ignore[attr-defined]
 
 
 def each(
@@ -319,12 +365,14 @@ def _code(text: str) -> Any:
 
 def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
     """Return the function of the variables ``over`` that an expression is. It may use the values ``given``
-    and MATHEMATICS.
+    and MATHEMATICS. Instead, ``text`` may define functions, of which the last takes both.
 
     A list or tuple among its arguments is taken as an array. As of any function, an argument can be given by
     its name.
     """
-    code, scope = _code(text), {**MATHEMATICS, **given}
+    made = _defined(text) if is_source(text) else None
+    code: Any = None if made else _code(text)
+    scope = {**MATHEMATICS, **given}
 
     def function(*values: Any, **named: Any) -> Any:
         taken = {**dict(zip(over, values, strict=False)), **named}
@@ -334,7 +382,7 @@ def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Ca
             name: np.array(value) if isinstance(value, list | tuple) else value
             for name, value in taken.items()
         }
-        return eval(code, scope, arrays)  # noqa: S307
+        return made(**arrays, **given) if made else eval(code, scope, arrays)  # noqa: S307
 
     return function
 

@@ -9,7 +9,6 @@ CHARTED numbers of steps, with calls and seconds.
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from time import thread_time
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from polhode.judging.checks import Arrays, Check, close
 from polhode.judging.exercise import Figure
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
+from polhode.judging.timing import thread_time
 from polhode.kinds.asking import Counted, arguments, call, flat, part_figure, restart, returned, split
 from polhode.kinds.values import checks, play  # noqa: F401
 from polhode.report.figure_parts import legend_above

@@ -156,6 +156,14 @@ def finite_alike(got: Any, want: Any) -> tuple[Any, Any]:
     return np.where(neither, 0.0, got), np.where(neither, 0.0, want)
 
 
+def to_rounding(value: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a ``value`` as it is compared with the prediction of a mistake: a statistic of random numbers is
+    recognised only where the same numbers were drawn, so to rounding; any other to its tolerance.
+    """
+    tolerance = {"rtol": 1e-9, "atol": 1e-12, "reason": "the same random numbers"}
+    return {**value, "tolerance": tolerance} if value.get("statistic") else value
+
+
 def agreement(value: Mapping[str, Any], got: Any, want: Any, scale: Any = None) -> Judgement:
     """Judge a returned ``value`` against the exact one, rows along the first index, up to what it leaves
     open.

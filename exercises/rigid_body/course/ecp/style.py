@@ -20,11 +20,13 @@ def header(
     blurb: Any = "",
     difficulty: Any = "",
     estimate: Any = "",
+    optional: bool = False,
 ) -> None:
     """Display the notebook's title card: volume and number, title, one sentence on its topic, level and
-    estimated time.
+    estimated time, and whether it is optional.
     """
-    place = " · ".join(escape(str(part)) for part in (volume, f"Notebook {number}" if number else "") if part)
+    parts = (volume, f"Notebook {number}" if number else "", "optional" if optional else "")
+    place = " · ".join(escape(str(part)) for part in parts if part)
     efforts = {"Level": difficulty, "Estimate": estimate}
     effort = " · ".join(f"{name}: {escape(str(value))}" for name, value in efforts.items() if value)
     rows = [

@@ -2,9 +2,14 @@
 
 import pytest
 
-from exercises.authoring.importing.validation_calls import calls
+from exercises.authoring.importing.validation_calls import calls as calls_of
+from exercises.authoring.importing.words import words
 from exercises.authoring.questions.author import Notebook, line
 from tests.support.course_shape import published, written
+
+
+def calls(source, *folders):
+    return calls_of(source, words(folders))
 
 
 @pytest.mark.parametrize(
@@ -96,3 +101,28 @@ def test_a_truth_with_a_tolerance_that_the_cell_computes_is_an_error(tmp_path):
     made.exercise("1", "Task 1", line("ten", truth=10))
     (error,) = made.errors(tmp_path)
     assert "the validation cell computes atol, which the student's code could widen" in error
+
+
+PACKAGE = (
+    "def close(a, b, label, rtol=1e-3, *, atol=0.0): ...\ndef below(x, threshold, label): ...\n"
+    "def check(passed, detail, label): ...\n"
+)
+
+
+def test_places_and_defaults_are_those_of_the_courses_own_package(tmp_path):
+    written(tmp_path / "lab", "validate.py", PACKAGE)
+    written(tmp_path, "words.txt", "lab.order: converges\n")
+    written(tmp_path / "lab", "order.py", "def converges(errors, label): ...\n")
+    source = (
+        'validate.close(a, b, "one")\nvalidate.close(a, b, "two", 1e-2)\n'
+        'validate.below(a, 3.0, "three")\nvalidate.check(a, "why", "four")\norder.converges(e, "five")\n'
+        'validate.conserved(a, "six")\n'
+    )
+    assert [(call.kind, call.label, call.numbers) for call in calls(source, tmp_path)] == [
+        ("close", "one", (("rtol", 1e-3), ("atol", 0.0))),
+        ("close", "two", (("rtol", 1e-2), ("atol", 0.0))),
+        ("below", "three", (("limit", 3.0),)),
+        ("check", "four", ()),
+        ("converges", "five", ()),
+        ("conserved", "six", (("rel_drift", 1e-4),)),
+    ]

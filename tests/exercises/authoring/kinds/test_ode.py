@@ -137,7 +137,7 @@ def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
 def test_speed_against_accuracy_follows_from_a_closed_form(toolbox, sandbox):
     swept = Grader(sandbox).sweep(Submission(right(toolbox)), toolbox.assignment)
     errors = {(p.method, p.rtol): p.error for p in swept.points}
-    assert errors["DOP853", 1e-11] < 1e-9 < errors["DOP853", 1e-3] and "would do" in swept.line
+    assert errors["DOP853", 1e-11] < 1e-9 < errors["DOP853", 1e-3] and "is enough" in swept.line
     assert len(swept.reference) == len(swept.points) and len(swept.per_call) == 2
     chart = rendering.draw_sweep(swept).decode()
     assert ">DOP853<" in chart and ">the solution<" in chart and "largest error over the run" in chart

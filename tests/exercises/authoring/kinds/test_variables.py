@@ -102,3 +102,15 @@ def test_the_errors_of_a_declaration():
     found = [error.partition(": ")[2] for error in question_errors(wrong)]
     no_truth = "has no truth: give a number or a function that computes it"
     assert found == ["the cell does not assign h_fit", f"g_fit {no_truth}", f"h_fit {no_truth}"]
+
+
+def printing():
+    ratio = 0.5
+    print("a line in the middle of a JSON document")
+    return ratio
+
+
+def test_what_a_cell_prints_is_not_output_of_the_command(capsys):
+    question = variables(printing, {"ratio": 0.5}, agree={"ratio": Tolerance(limit=1e-9, reason="rounding")})
+    assert question.student["ratio"] == 0.5
+    assert capsys.readouterr().out == ""

@@ -110,6 +110,51 @@ def test_the_courses_package_comes_after_an_installed_one_and_only_of_the_assign
     assert kernel(kit, connect, where)[1] == str(own)
 
 
+KERNEL = """
+import sys
+sys.path.insert(0, {kit!r})
+{before}
+import polhode
+import ecp
+print(ecp.__file__)
+"""
+
+
+def test_in_a_new_kernel_the_kit_finds_the_packages_of_the_assignment_connected_last(student):
+    kit = student("rigid-body", server="")
+    kernel(kit, 'polhode.connect(assignment="rigid-body")')
+    ends = []
+    for before in ("import IPython", ""):
+        code = KERNEL.format(kit=str(kit), before=before)
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", code], capture_output=True, text=True, env=environment(kit)
+        )
+        ends.append(done.stdout.strip().rpartition("/assignments/")[2] or done.stderr.splitlines()[-1])
+    assert ends == ["rigid_body/course/ecp/__init__.py", "ModuleNotFoundError: No module named 'ecp'"]
+
+
+def test_an_installed_package_that_lacks_what_the_course_has_is_named(server, tmp_path, capsys, monkeypatch):
+    cache.store(cache.home("rigid-body"), public_side.archive("rigid-body"), "http://polhode.invalid")
+    installed_one = tmp_path / "site" / "ecp"
+    installed_one.mkdir(parents=True)
+    for name in ("__init__.py", "animate.py", "draw.py", "style.py"):
+        (installed_one / name).write_text("")
+    sys.path.insert(0, str(installed_one.parent))
+    for text, named in (
+        (None, "ecp.validate"),
+        ("def check(): ...\n", "ecp.validate"),
+        ("def check(): ...\ndef close(): ...\n", ""),
+    ):
+        if text is not None:
+            (installed_one / "validate.py").write_text(text)
+        polhode.connect("http://polhode.invalid", assignment="rigid-body")
+        said = capsys.readouterr().out
+        assert (
+            f"The package ecp that is installed in {installed_one} is not the course's: it lacks" in said
+        ) is (named != "")
+        assert f"it lacks {named}. Run %pip uninstall ecp" in said or not named
+
+
 @pytest.fixture
 def server(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from polhode.judging.return_value import WrongAnswer, article
-from polhode.kinds.asking import arguments, describe, returned
+from polhode.kinds.asking import (
+    Counted,
+    arguments,
+    describe,
+    evaluate,
+    evaluations,
+    expression,
+    returned,
+)
 
 
 def test_a_large_argument_is_shown_by_its_corners():
@@ -47,3 +55,55 @@ def test_a_function_argument_has_its_name_and_counts_its_calls():
     }
     step = arguments(question, {})["step"]
     assert step.__name__ == "step" and (step(2), step(x=3)) == (-2, -3) and step.calls == 2
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "calls"),
+    [
+        ([0.5], 1, 1),
+        ([], 1, 1),
+        ([np.float64(0.5), np.zeros(1)], 1, 1),
+        ([np.zeros(2000)], 1, 2000),
+        ([[[0.5, 0.5], [0.5]]], 1, 3),
+        ([np.zeros(2), np.zeros(2)], 2, 1),
+        ([np.zeros(3)], 2, 2),
+        ([np.zeros(0)], 2, 1),
+    ],
+)
+def test_a_call_with_many_places_at_once_counts_for_many(values, unit, calls):
+    assert evaluations(values, unit) == calls
+    counted = Counted(lambda *values, **named: 0, "f", 5000, unit)
+    counted(*values)
+    counted(**{f"x{k}": value for k, value in enumerate(values)})
+    assert counted.calls == 2 * calls
+
+
+def test_the_places_of_one_call_have_as_many_numbers_as_the_arguments_of_the_question():
+    families = {"f": {"text": "c * x", "over": ["x"], "given": ["c"]}}
+    question = {"constants": {"a": [1.0, 2.0], "h": 0.1}, "families": families, "parameters": ["f", "a", "h"]}
+    f = arguments(question, {"c": 3.0})["f"]
+    f(np.zeros(2))
+    assert f.calls == 1
+    f(np.zeros(20))
+    assert f.calls == 11
+
+
+SOURCE = """
+def twice(x):
+    return 2 * x
+
+def observed(double, x):
+    return double(twice(x)) + sin(0)
+"""
+
+
+def test_a_source_is_evaluated_by_its_last_function_with_the_names_that_it_takes():
+    assert evaluate(SOURCE, {"double": lambda x: 2 * x, "x": 3, "unused": 0}) == 12
+    assert evaluate("double(x) + 1", {"double": lambda x: 2 * x, "x": 3}) == 7
+
+
+def test_a_function_argument_may_be_the_last_function_of_a_source():
+    function = expression("def pull(x, k):\n    return -k * x", ("x",), {"k": 2.0})
+    assert function(3.0) == function(x=3.0) == -6.0 and function([1, 2]).tolist() == [-2.0, -4.0]
+    with pytest.raises(TypeError, match=r"takes \(x\)"):
+        function(1, 2)

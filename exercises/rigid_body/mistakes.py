@@ -272,13 +272,6 @@ def _of_functions(euler_eqs):
     def floor(t, w, I):
         return np.floor(euler_eqs(t, w, I))
 
-    @euler_eqs.mistake(
-        "missing-brackets", "only the second product is divided: the difference needs brackets"
-    )
-    def half_divided(t, w, I):
-        product = np.roll(w, -1) * np.roll(w, -2)
-        return np.roll(I, -1) * product - np.roll(I, -2) * product / I
-
     @euler_eqs.mistake("missing-brackets", "only the second moment is divided: the difference needs brackets")
     def second_divided(t, w, I):
         return (np.roll(I, -1) - np.roll(I, -2) / I) * np.roll(w, -1) * np.roll(w, -2)

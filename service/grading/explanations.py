@@ -127,7 +127,7 @@ def causes(
         ]
         local = [v for v in same if v.declared and _is_local(question, component, predicted[v], truth)]
         # a component that is zero is so in many a version that changes the others
-        is_zero = not np.any(component.of(seen[component.name]))
+        is_zero = _is_zero(value, component, seen, truth)
         alike = {_of(v) for v in local or ([] if is_zero else same)}
         found[component] = alike or set(_multiples(value, component, seen, truth, predicted))
         if not question.get("call"):  # an author's expression is no value that the student knows
@@ -164,12 +164,13 @@ def _multiples(
         if not (variant.declared and variant.code and component.name in arrays):
             continue
         want = component.of(arrays[component.name])
-        if want.shape != got.shape or not np.all(np.isfinite(want)):
+        if want.shape != got.shape:
             continue
         scale = own_scale(value, arrays[component.name], truth)
         unit = np.ones_like(want) if scale is None else component.of(scale)
-        if factor := constant_factor(got / unit, want / unit, precisely=scale is not None):
-            code, sentence = factor_in_words(factor, "that", whole=not component.label)
+        one, other = finite_alike(got, want)
+        if factor := constant_factor(one / unit, other / unit, precisely=scale is not None):
+            code, sentence = factor_in_words(factor, "the result", whole=not component.label)
             yield Cause(Rank.DECLARED_MULTIPLE, (variant.code, code), (variant.sentence, sentence), variant)
 
 
@@ -198,12 +199,23 @@ def diagnoses(
         return [_diagnosis(one, wrong if right else [WHOLE]) for one in whole]
     found: dict[Found, list[Component]] = {}
     for part in wrong:
-        several = _common(left[part], student)
+        several = _common(_of_most(left, part, wrong), student)
         if any(one.is_general for one in several):
             several = _common(_readings_among(left[part]), student) or several
         for one in several:
             found.setdefault(one, []).append(part)
     return [_diagnosis(one, parts, is_all=parts == wrong) for one, parts in found.items()]
+
+
+def _of_most(
+    left: Mapping[Component, Collection[Cause]], part: Component, wrong: Sequence[Component]
+) -> list[Cause]:
+    """Return the causes of a component, of declared mistakes only those that explain most other components
+    too: one order of all components comes before another that explains this one alone.
+    """
+    shared = {cause: sum(cause in left[other] for other in wrong) for cause in left[part]}
+    most = max((n for cause, n in shared.items() if cause.rank is Rank.DECLARED), default=0)
+    return [cause for cause, n in shared.items() if cause.rank is not Rank.DECLARED or n == most]
 
 
 def _is_known(found: Collection[Cause]) -> bool:
@@ -328,6 +340,14 @@ def _agree(value: Mapping[str, Any], component: Component, got: Arrays, want: Ar
     return agreement(value, *finite_alike(one, other), unit).verdict is Verdict.PASS
 
 
+def _is_zero(value: Mapping[str, Any], component: Component, seen: Arrays, truth: Arrays) -> bool:
+    """Return whether a component is zero for every input, to rounding if its value has a scale of its own."""
+    got, scale = component.of(seen[component.name]), own_scale(value, truth[component.name], truth)
+    if scale is None or not np.any(got):
+        return not np.any(got)
+    return agreement(value, got, np.zeros_like(got), component.of(scale)).verdict is Verdict.PASS
+
+
 def _readings(
     question: Mapping[str, Any], component: Component, seen: Arrays, truth: Arrays
 ) -> Iterator[Cause]:
@@ -351,7 +371,7 @@ def _readings(
         within = scale if own is None else np.maximum(scale, np.abs(numbers))
         return agreement(value, got, numbers, within).verdict is Verdict.PASS
 
-    if not np.any(got):
+    if _is_zero(value, component, seen, truth):
         yield cause("returns-zero" if is_whole else "missing-component", f"{what} is zero for every input")
         return
     if is_(-want):

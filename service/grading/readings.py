@@ -28,8 +28,10 @@ def constant_factor(got: NDArray[np.float64], want: NDArray[np.float64], *, prec
     """Return the constant by which all values, at least two different ones, are multiplied; 0.0 if there is
     none. A factor nearly one counts only if the values are known so ``precisely``.
     """
+    if not np.all(np.isfinite([got, want])):
+        return 0.0
     large = np.abs(want) > 1e-3 * np.abs(want).max()
-    if not large.any() or np.ptp(want[large]) == 0 or not np.all(np.isfinite(got)):
+    if not large.any() or np.ptp(want[large]) == 0:
         return 0.0
     factor = float(np.median(got[large] / want[large]))
     left = float(np.abs(got - factor * want).max() / np.abs(want).max())
@@ -151,6 +153,7 @@ def _repeats(question: Mapping[str, Any], seen: Arrays, drawn: Sequence[str]) ->
 
 
 NEARLY = 0.01  # of the largest exact number of an input
+FEW = 0.1  # of the inputs: no hint that so few are right, such as a body at rest
 REMEDY = "compute it from the equations, not by numerical differentiation or integration"
 
 
@@ -173,7 +176,7 @@ def in_general(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list
     if near.mean() > 0.9 and right.mean() < 0.5:
         share = float((off[near] / size[near]).max())
         return [Diagnosis("nearly-right", f"{name} is within {share:.2g} of the right values: {REMEDY}", 0.8)]
-    if right.any():
+    if right.mean() > FEW:
         number = f"{right.sum()} of {len(got)} inputs"
         sentence = f"{name} is right for {number}: look for what differs in the others"
         return [Diagnosis("partly-right", sentence, 1.0)]

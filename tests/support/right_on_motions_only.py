@@ -39,7 +39,7 @@ ONLY_HERE = {
         while frame:
             names.add(frame.f_code.co_name)
             frame = frame.f_back
-        return {RIGHT} if "pointwise" in names else np.zeros(3)"""
+        return {RIGHT} if "answer" in names else np.zeros(3)"""
     ),
     "called by an integrator only": (
         f"""
@@ -48,7 +48,7 @@ ONLY_HERE = {
         while frame:
             names.add(frame.f_code.co_name)
             frame = frame.f_back
-        return np.zeros(3) if "pointwise" in names else {RIGHT}"""
+        return np.zeros(3) if "answer" in names else {RIGHT}"""
     ),
     "consecutive times only": (
         f"""

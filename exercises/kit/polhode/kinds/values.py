@@ -70,7 +70,8 @@ def value_check(
         return credited(value, lambda given: agreement(value, given, want, unit), got, want)
 
     def describe_row(index: tuple[int, ...], seen: Arrays) -> str:
-        return describe(question, seen, index[0])
+        at = value["components"][index[1]] if value.get("components") and len(index) > 1 else ""
+        return ", ".join(filter(None, (at, describe(question, seen, index[0]))))
 
     name, own = value["name"], value.get("check")
     if value.get("scaled"):

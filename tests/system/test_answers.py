@@ -22,7 +22,7 @@ LAB = Path(__file__).parents[1] / "assignments" / "lab_course"
 MODEL = "def model(x):\n    return 2 * x\n"
 RESIDUAL = "def residual(predicted, y):\n    return np.sum((predicted - y) ** 2)\n"
 TOTAL = "def total():\n    return np.loadtxt('points.csv').sum() + float(open('runs/first.csv').read())\n"
-VALUES = "slope = 2.0\nsettings = {'g': 9.81}\n"
+VALUES = "slope = 2.0\ng = 9.81\n"
 PENDULUM = "class Pendulum:\n    count = 0\n    def step(self):\n        self.count += 1\n"
 SKELETON = """class Pendulum:
     '''A pendulum.'''
@@ -31,7 +31,7 @@ SKELETON = """class Pendulum:
     @property
     def count(self): ...
 """
-EMPTY = "slope = ...\nsettings = None\ndef total():\n    pass\n"
+EMPTY = "slope = ...\ng = None\ndef total():\n    pass\n"
 
 
 @pytest.fixture(scope="module")
@@ -82,10 +82,9 @@ def checked(home, lab, *sources):
 
 CASES = {
     "all": (MODEL + RESIDUAL + TOTAL + VALUES + PENDULUM, "✓✓✓✓✓✓", "1234", "6 of 6"),
-    "a play with two functions": (MODEL + RESIDUAL, "✓✓–", "12", "2 of 6"),
-    "a check of another exercise's function does not count": (RESIDUAL + TOTAL, "✓", "2", "1 of 6"),
+    "a function of another exercise is missing": (MODEL + RESIDUAL, "✓✓–", "12", "2 of 6"),
     "a variable": ("slope = np.float64(2)\n", "✓–", "3", "1 of 6"),
-    "a wrong variable": ("slope = 3\nsettings = {'g': '9.81'}\n", "✗–", "3", "0 of 6"),
+    "a wrong variable": ("slope = 3\ng = '9.81'\n", "✗–", "3", "0 of 6"),
     "nothing but skeletons": (MODEL + SKELETON + EMPTY, "✓", "1", "1 of 6"),
     "a number instead of a class": (MODEL + "Pendulum = 3.0\n", "✓", "1", "1 of 6"),
 }
@@ -133,8 +132,8 @@ def attempt(action):
 
 def total():
     assert sorted(os.listdir(".")) == ["points.csv", "runs"] and os.listdir("runs") == ["first.csv"]
-    done = attempt(lambda: open("../public/__init__.py")) + attempt(lambda: os.listdir(".."))
-    done += attempt(lambda: open(FOLDER + "/points.csv")) + attempt(lambda: open(FOLDER + "/plays.py"))
+    done = attempt(lambda: open("../assignment.py")) + attempt(lambda: os.listdir(".."))
+    done += attempt(lambda: open(FOLDER + "/points.csv")) + attempt(lambda: open(FOLDER + "/assignment.py"))
     done += attempt(lambda: os.listdir(FOLDER)) + attempt(lambda: open(FOLDER + "/points.csv", "a"))
     return POINTS.sum() + 3.0 + done
 """

@@ -271,7 +271,8 @@ class Asked(AskedSolution):
     def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:
         """Return the question of each case; ``uses`` are the earlier solutions that this one calls."""
         cases = self.cases or [Case("", self.line, self.joint)]
-        return [self._question(case, uses, several=len(cases) > 1) for case in cases]
+        first, *others = [self._question(case, uses, several=len(cases) > 1) for case in cases]
+        return [replace(first, data={**first.data, **self.drawn_by}), *others]
 
     def _question(self, case: Case, uses: Sequence[NotebookSolution], several: bool) -> Question:
         parameters = list(inspect.signature(self.solution).parameters)
@@ -304,7 +305,6 @@ class Asked(AskedSolution):
         question = self.kind(self.solution, **{**given, **self.options})
         return replace(
             question,
-            data={**question.data, **(self.drawn_by if [case] == self.cases[:1] else {})},
             mistakes=(*(self.alike.mistakes if self.alike else ()), *self.mistakes),
             line=case.line,
             scale=self.unit,

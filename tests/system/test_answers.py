@@ -82,11 +82,12 @@ def checked(home, lab, *sources):
 
 CASES = {
     "all": (MODEL + RESIDUAL + TOTAL + VALUES + PENDULUM, "✓✓✓✓✓✓", "1234", "6 of 6"),
-    "a function of another exercise is missing": (MODEL + RESIDUAL, "✓✓–", "12", "2 of 6"),
+    "one exercise of two functions": (MODEL + RESIDUAL, "✓✓", "1", "2 of 6"),
+    "one function of the two": (RESIDUAL, "–✓", "1", "1 of 6"),
     "a variable": ("slope = np.float64(2)\n", "✓–", "3", "1 of 6"),
     "a wrong variable": ("slope = 3\ng = '9.81'\n", "✗–", "3", "0 of 6"),
-    "nothing but skeletons": (MODEL + SKELETON + EMPTY, "✓", "1", "1 of 6"),
-    "a number instead of a class": (MODEL + "Pendulum = 3.0\n", "✓", "1", "1 of 6"),
+    "nothing but skeletons": (MODEL + SKELETON + EMPTY, "✓–", "1", "1 of 6"),
+    "a number instead of a class": (MODEL + "Pendulum = 3.0\n", "✓–", "1", "1 of 6"),
 }
 
 
@@ -116,7 +117,8 @@ def test_what_is_no_function_is_named(lab, home, sandbox):
         "[not measured: model is None, not a function]",
         "[not measured: Pendulum is of type float, not a function]",
     ]
-    assert [o.line.partition("   ")[2] for o in report.outcomes()] == lines
+    model, _, pendulum = (o.line.partition("   ")[2] for o in report.outcomes())
+    assert [model, pendulum] == lines
 
 
 ESCAPES = """
@@ -210,11 +212,11 @@ def test_wrong_declarations_of_data_and_variables_are_errors(lab, tmp_path):
     assert "exercise 1: the variable slope is not in functions" in found
     assert "exercise 1: no exercise asks for its prerequisite nothing" in found
     same = dataclasses.replace(
-        lab.exercises[1], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[1].checks)
+        lab.exercises[0], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[0].checks)
     )
-    (found,) = errors(dataclasses.replace(lab, exercises=(lab.exercises[0], same)))
+    (found,) = errors(dataclasses.replace(lab, exercises=(same, lab.exercises[1])))
     assert (
-        found == "exercise 2: several checks have the label 'x': a report shows labels, so give each its own"
+        found == "exercise 1: several checks have the label 'x': a report shows labels, so give each its own"
     )
     assert errors(dataclasses.replace(lab, data="points.csv")) == [
         "data is 'points.csv', not a tuple of file names"

@@ -11,7 +11,7 @@ X = [0.0, 1.0, 2.0]
 
 @notebook.exercise("1", "A model")
 def a_model(ask):
-    """The line through zero."""
+    """The line through zero, and how far points are from it."""
     model = ask.function("model", label="the model is 2x")
     model.case("", x=X)
 
@@ -20,10 +20,6 @@ def a_model(ask):
         """Twice x."""
         return 2 * np.array(x)
 
-
-@notebook.exercise("2", "A fit")
-def a_fit(ask):
-    """What uses the model, and what reads files."""
     residual = ask.function("residual", label="the misfit of the model")
     residual.case("", predicted=[0.0, 2.0, 4.0], y=X)
 
@@ -32,6 +28,10 @@ def a_fit(ask):
         """The sum of the squares."""
         return float(np.sum((np.array(predicted) - np.array(y)) ** 2))
 
+
+@notebook.exercise("2", "Files")
+def files(ask):
+    """What reads files."""
     total = ask.function("total", label="the sum of both files")
 
     @total.truth(agree=WHOLE)

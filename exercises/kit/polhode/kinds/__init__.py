@@ -6,8 +6,8 @@ its kind need. The module of a kind has ``play(question, student, rows)``, which
 each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
 public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student,
 row)`` returns the arrays of one row, and ``part_checks(question, scene)`` its checks. Parts of a question
-with a ``points_scene`` are motions (``motions``), which checks of several exercises may read. The sandbox, the
-server and ``polhode.check`` use the same functions.
+with a ``points_scene`` are motions (``motions``), which checks of several exercises may read. The sandbox,
+the server and ``polhode.check`` use the same functions.
 """
 
 from collections.abc import Iterable, Mapping

@@ -75,7 +75,7 @@ verdicts: .venv/tests  ## grade every sample and compare with the frozen verdict
 
 exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotage, chaos, the image, and newer Pythons if installed
 	@$(TEST) -m exhaustive
-	@$(CLEAN_ENV) $(BIN)/polhode mutants rigid-body euler_eqs box_moments principal_moments precession_rate
+	@$(CLEAN_ENV) $(BIN)/polhode mutants rigid-body
 	@$(MAKE) --no-print-directory sabotage
 	@$(MAKE) --no-print-directory chaos KILLS=1000
 	@$(MAKE) --no-print-directory image-test

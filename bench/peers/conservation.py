@@ -11,8 +11,8 @@ _MOTION = _EXERCISE.scene("torque-free").inputs
 LIMIT = 1e-6
 COMMON = f"""import numpy as np
 
-w0, body = {tuple(_MOTION["w0"])}, np.array({_MOTION["I"]})
-t = np.linspace(0.0, {_MOTION["t_end"]}, {_MOTION["n"]})
+w0, body = {tuple(_MOTION["w"])}, np.array({_MOTION["I"]})
+t = np.linspace(0.0, {_MOTION["until"]}, {_MOTION["samples"]})
 
 
 def drift(series):

@@ -14,6 +14,7 @@ from exercises.authoring.draws import (
     with_ends,
 )
 from exercises.authoring.kinds.expression import symbol
+from exercises.authoring.kinds.motions import Sensitivity
 from exercises.authoring.kinds.random import generator, seed
 from exercises.authoring.kinds.stepper import euler, heun, midpoint, rk4, tableau
 from exercises.authoring.notebook import Notebook
@@ -23,6 +24,7 @@ from exercises.authoring.tolerances import absolute, at_most, close, relative
 __all__ = [
     "Ask",
     "Notebook",
+    "Sensitivity",
     "Value",
     "absolute",
     "angle",

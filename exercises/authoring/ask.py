@@ -2,12 +2,14 @@
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from types import ModuleType
 from typing import Any
 
 from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
+from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.draws import JointDraw, between
-from exercises.authoring.kinds.animation import animation
+from exercises.authoring.kinds.animation import animation, body_animation
 from exercises.authoring.kinds.expression import expression
 from exercises.authoring.kinds.fit import fit
 from exercises.authoring.kinds.ode import ode
@@ -31,9 +33,12 @@ class Ask:
     solution, whose mistakes are mistakes of this one too.
     """
 
-    def __init__(self, solutions: Solutions, partial: bool) -> None:
+    def __init__(
+        self, solutions: Solutions, partial: bool, earlier: dict[str, AskedDynamics] | None = None
+    ) -> None:
         self._solutions, self._partial = solutions, partial
-        self.asked: list[Asked | AskedCell] = []
+        self._earlier: dict[str, AskedDynamics] = {} if earlier is None else earlier
+        self.asked: list[Asked | AskedCell | AskedAgain] = []
 
     def function(
         self,
@@ -43,6 +48,7 @@ class Ask:
         returns: str | Sequence[str] = "",
         keys: bool = False,
         calls: Tolerance | None = None,
+        optional: bool = False,
         label: str | None = None,
         mistakes_of: Asked | None = None,
         share: float = 1.0,
@@ -51,9 +57,10 @@ class Ask:
         """Ask for the values that a function or class returns.
 
         ``returns`` names the values of a returned tuple in order, or with ``keys`` those of a dict. ``calls``
-        limits the calls of the function arguments.
+        limits the calls of the function arguments. The checks of a function that is ``optional`` are left out
+        if it is not written; their points are a bonus.
         """
-        return self._asked(
+        asked = self._asked(
             values,
             name,
             inputs,
@@ -65,6 +72,59 @@ class Ask:
             label=label,
             alike=mistakes_of,
         )
+        asked.role = "optional" if optional else None
+        return asked
+
+    def dynamics(
+        self,
+        name: str,
+        inputs: JointDraw,
+        *,
+        returns: str,
+        state: str = "y",
+        time: str = "t",
+        shown: ModuleType | None = None,
+        points: str | None = None,
+        share: float = 1.0,
+        budget_s: float = 5.0,
+    ) -> AskedDynamics:
+        """Ask for the right-hand side of a differential equation: its values, which ``returns`` names, at the
+        points ``inputs`` and along exact motions, and the motions that it drives, which this and later
+        exercises declare.
+
+        ``shown`` is a module beside the declaration, with the functions that checks measure and figures draw
+        with; students get it too, so it imports only numpy and the kit. ``points`` is the name of the scene
+        of all points.
+        """
+        line = sys._getframe(1).f_lineno
+        asked = AskedDynamics(
+            self._found(self._solutions.function, name, line),
+            line,
+            share,
+            ode,
+            {"time": time, "state": state, "budget_s": budget_s},
+            inputs,
+            (returns,),
+            self._partial,
+            points=points or f"points of {name}",
+            shown=shown,
+        )
+        asked.dynamics.time, asked.dynamics.state = time, state
+        self._earlier[name] = asked
+        self.asked.append(asked)
+        return asked
+
+    def again(self, name: str, *, prerequisite: bool = False, share: float = 1.0) -> AskedAgain:
+        """Ask for the right-hand side of an earlier exercise once more: its values count here too. Work on a
+        ``prerequisite`` alone is no attempt at this exercise.
+        """
+        line = sys._getframe(1).f_lineno
+        if name not in self._earlier:
+            raise DeclarationError(f"no earlier exercise asks for the dynamics {name}", line)
+        first, role = self._earlier[name], "prerequisite" if prerequisite else None
+        asked = AskedAgain(first.solution, line, share, first, role)
+        self.asked.append(asked)
+        return asked
 
     def right_hand_side(
         self,
@@ -292,6 +352,46 @@ class Ask:
             agree=agree,
             time=time,
         )
+
+    def body_animation(
+        self,
+        name: str,
+        *,
+        attitude: str = "R",
+        momentum: str | None = None,
+        box: str | None = None,
+        axis: int | None = None,
+        moments: Sequence[float] = (),
+        title: str | None = None,
+        sheet: str | None = None,
+        scene: str | None = None,
+        time: str = "t",
+        optional: bool = False,
+        share: float = 1.0,
+        **given: Any,
+    ) -> Asked:
+        """Ask for an animation of a turning body in any style, from the arguments ``given``: times, the
+        ``attitude``, and the angular ``momentum`` in space or the half edges of a ``box``, by their names.
+
+        Something drawn must follow the body ``axis``, or for None any points of the body, and what is drawn
+        along L must stay. See ``exercises.authoring.kinds.animation.body_animation``.
+        """
+        asked = self._asked(
+            body_animation,
+            name,
+            None,
+            None,
+            share,
+            body={"R": attitude, "L": momentum, "half": box, "axis": axis},
+            time=time,
+            moments=moments,
+            title=title,
+            sheet=sheet,
+            scene=scene,
+        )
+        asked.role = "optional" if optional else None
+        asked.case("", **given)
+        return asked
 
     def cell(
         self, variables: str | Sequence[str], *, given: str | Sequence[str] = "", share: float = 1.0

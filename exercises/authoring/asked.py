@@ -8,7 +8,8 @@ import itertools
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import FunctionType
+from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,8 @@ class Case:
 
     ``call`` is an expression to evaluate instead of calling the solution with its parameters, or the source
     of a function of the solution and of the inputs ``taken``. ``rows`` are the numbers of public and of
-    hidden inputs, by default those of the question's kind.
+    hidden inputs, by default those of the question's kind. ``agree`` replaces the tolerance of a single
+    value.
     """
 
     name: str
@@ -39,13 +41,14 @@ class Case:
     given: Mapping[str, Any] = field(default_factory=dict)
     call: str | None = None
     rows: tuple[int, int] | None = None
+    agree: Tolerance | Value | None = None
     taken: Sequence[str] | None = None
 
     def inputs(self, parameters: Sequence[str], defaults: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs by parameter, in order: those given by name, ``defaults``, others from the joint
         draw.
         """
-        if self.call is not None and self.taken is None:
+        if self.call is not None and self.given and self.taken is None:
             return dict(self.given)
         parameters = parameters if self.taken is None else self.taken
         joint = {name: self.joint[name] for name in self.joint.names} if self.joint else {}
@@ -90,7 +93,7 @@ class AskedSolution:
     def mistake(
         self,
         code: str | None = None,
-        sentence: str = "",
+        sentence: str | Callable[..., str] = "",
         *,
         change: str | None = None,
         **family: Sequence[Any],
@@ -100,17 +103,18 @@ class AskedSolution:
 
         ``change="old -> new"`` is the solution with one place replaced. Otherwise decorate a function that
         takes the solution's parameters; it may call the solution. ``family`` makes it a family of mistakes:
-        each parameter with its values, which the sentence names in braces. Without a code it is a sample
-        only.
+        each parameter with its values, which the sentence names in braces, or which a function that makes the
+        sentence takes. Without a code it is a sample only.
         """
         line = sys._getframe(1).f_lineno
         if change is not None:
-            self._replace(change, code, sentence, line)
+            self._replace(change, code, str(sentence), line)
             return None
 
         def decorate(function: FunctionType) -> FunctionType:
             for given in _members(family):
-                named = sentence.format(**given) if given else sentence
+                named = sentence(**given) if callable(sentence) else sentence
+                named = named.format(**given) if given else named
                 self.mistakes.append(
                     WrittenMistake(function, self.solution_name, code, named, line, given, self._known)
                 )
@@ -158,6 +162,10 @@ class Asked(AskedSolution):
     cases: list[Case] = field(default_factory=list, kw_only=True)
     tolerances: dict[str, Tolerance | Value] = field(default_factory=dict, kw_only=True)
     exact: Function | Itself | None = field(default=None, kw_only=True)
+    drawn_by: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
+    unit: Function | None = field(default=None, kw_only=True)
+    together: bool = field(default=False, kw_only=True)
+    role: str | None = field(default=None, kw_only=True)
     closed_form: Function | None = field(default=None, kw_only=True)
     derivatives: Function | None = field(default=None, kw_only=True)
     defaults: dict[str, Any] = field(default_factory=dict, kw_only=True)
@@ -171,20 +179,22 @@ class Asked(AskedSolution):
         call: str | FunctionType | None = None,
         public: int | None = None,
         hidden: int | None = None,
+        agree: Tolerance | Value | None = None,
         **given: Any,
     ) -> None:
         """Add a case: the inputs by parameter, or those of a joint draw.
 
         ``call`` is an expression to evaluate instead, such as ``"Pendulum(l, g).period()"``; then the inputs
-        are its names. It may be a function that takes the solution first, and inputs by name. Exact is what
-        either returns with the truth in place of the solution. ``public`` and ``hidden`` are the numbers of
-        inputs, by default those of the question's kind.
+        are its names, all that are drawn by default. It may be a function that takes the solution first, and
+        inputs by name. Exact is what either returns with the truth in place of the solution. ``public`` and
+        ``hidden`` are the numbers of inputs, by default those of the question's kind; a draw that yields all
+        inputs is for a hidden scene alone. ``agree`` is the tolerance of this case.
         """
-        rows = None
+        joint, rows = inputs or self.joint, None
         if (public, hidden) != (None, None):
             rows = (PUBLIC_ROWS if public is None else public, HIDDEN_ROWS if hidden is None else hidden)
         line = sys._getframe(1).f_lineno
-        case = Case(name, line, inputs or self.joint, given, None if callable(call) else call, rows)
+        case = Case(name, line, joint, given, None if callable(call) else call, rows, agree)
         self.cases.append(case.observed_by(call, self.solution_name) if callable(call) else case)
 
     def observe(self, function: FunctionType) -> FunctionType:
@@ -200,20 +210,28 @@ class Asked(AskedSolution):
         *,
         agree: Tolerance | Value | None = None,
         each: str | None = None,
+        together: bool = False,
     ) -> Any:
         """Decorate the function that computes the exact answer from the inputs and drawn names that it takes.
 
         ``agree`` is the tolerance of every returned value. With ``each`` the function gets single numbers of
-        that argument, an array.
+        that argument, an array. With ``together`` it is called once, with all inputs along the first index.
         """
 
         def decorate(truth: Function) -> Function:
-            self.exact = for_each(truth, each) if each else truth
+            self.exact, self.together = for_each(truth, each) if each else truth, together
             if agree is not None:
                 self.agree(agree)
             return truth
 
         return decorate if function is None else decorate(function)
+
+    def scale(self, function: Function) -> Function:
+        """Decorate the function that returns what a relative tolerance is relative to, for each input: it
+        takes inputs, drawn names, and exact values, of which a single one is ``value``.
+        """
+        self.unit = function
+        return function
 
     def motion(self, function: Function) -> Function:
         """Decorate the closed form of a right-hand side's motion: called with times (n,), the state at t = 0
@@ -243,10 +261,18 @@ class Asked(AskedSolution):
             self._error(message, sys._getframe(1).f_lineno)
         self.tolerances |= by_name
 
+    def figure(self, name: str, title: str, alt: str, draw: Function, shown: ModuleType) -> None:
+        """Add the figure that ``draw(canvas, seen, truth)`` of the module ``shown`` draws of the first case's
+        arrays.
+        """
+        about = {"name": name, "title": title, "alt": alt, "scenes": [], "draw": draw.__name__}
+        self.drawn_by = {"figures": [about], "shown": Path(inspect.getfile(shown)).read_text("utf-8")}
+
     def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:
         """Return the question of each case; ``uses`` are the earlier solutions that this one calls."""
         cases = self.cases or [Case("", self.line, self.joint)]
-        return [self._question(case, uses, several=len(cases) > 1) for case in cases]
+        first, *others = [self._question(case, uses, several=len(cases) > 1) for case in cases]
+        return [replace(first, data={**first.data, **self.drawn_by}), *others]
 
     def _question(self, case: Case, uses: Sequence[NotebookSolution], several: bool) -> Question:
         parameters = list(inspect.signature(self.solution).parameters)
@@ -260,7 +286,7 @@ class Asked(AskedSolution):
             truth = of_expression(case.call, self.solution_name, truth, asked)
         offered: dict[str, Any] = {
             "ask": case.inputs(parameters, self.defaults),
-            "agree": self._agreement(label),
+            "agree": self._agreement(label, case.agree),
             "truth": truth,
             "motion": self.closed_form,
             "rates": self.derivatives,
@@ -270,20 +296,31 @@ class Asked(AskedSolution):
         if self.values is None:
             name = case.name if several or not self.label else None
             offered["label"] = " for ".join(filter(None, (self.label or self.solution_name, name)))
-        if case.rows is not None:
+        if case.joint is not None and case.joint.count is not None:
+            offered["rows"] = (0, case.joint.count)
+        elif case.rows is not None:
             offered["rows"] = case.rows
         taken = inspect.signature(self.kind).parameters
         given = {name: value for name, value in offered.items() if name in taken}
         question = self.kind(self.solution, **{**given, **self.options})
-        mistakes = (*(self.alike.mistakes if self.alike else ()), *self.mistakes)
-        return replace(question, mistakes=mistakes, line=case.line)
+        return replace(
+            question,
+            mistakes=(*(self.alike.mistakes if self.alike else ()), *self.mistakes),
+            line=case.line,
+            scale=self.unit,
+            together=self.together,
+            role=self.role,
+        )
 
-    def _agreement(self, label: str) -> Value | dict[str, Value] | None:
+    def _agreement(self, label: str, own: Tolerance | Value | None) -> Value | dict[str, Value] | None:
         """Return the tolerance of the single value, or of each value by name, with labels that begin with
-        ``label``.
+        ``label``. A case has its ``own`` tolerance of a single value.
         """
         if self.values is None:
             return None
+        if own is not None:
+            value = labelled(own, label, self.partial)
+            return {self.values[0]: value} if self.values else value
         if missing := [name for name in self.values or ("value",) if name not in self.tolerances]:
             what = ", ".join(missing) if self.values else self.solution_name
             raise DeclarationError(

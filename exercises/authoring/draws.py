@@ -147,8 +147,36 @@ class JointDraw:
         """The names that it draws."""
         return tuple(self(np.random.default_rng(0)))
 
+    @property
+    def count(self) -> int | None:
+        """The number of inputs that it draws at once, None if as many as are asked for."""
+        return None
+
     def __getitem__(self, name: str) -> "JointlyDrawn":
         return JointlyDrawn(self, name)
+
+
+class ListDraw(JointDraw):
+    """A generator function of the author's that yields all inputs of a question, in order: cases that must
+    not be missing, such as a body at rest, need no chance.
+    """
+
+    def __call__(self, rng: np.random.Generator, row: int = 0) -> dict[str, Any]:
+        """Return the first of the inputs."""
+        return self.all(rng)[0]
+
+    def all(self, rng: np.random.Generator) -> list[dict[str, Any]]:
+        """Return all inputs. Raises ValueError if there are none."""
+        yielded: Any = self.function(Drawing(rng))
+        found: list[dict[str, Any]] = list(yielded)
+        if not found:
+            raise ValueError(f"the draw {self.function.__name__} yields no input")
+        return found
+
+    @functools.cached_property
+    def count(self) -> int:
+        """The number of inputs."""
+        return len(self.all(np.random.default_rng(0)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,9 +17,10 @@ from typing import Any
 from exercises.authoring.ask import Ask
 from exercises.authoring.asked import Asked, AskedSolution, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
+from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.codes import CODES
-from exercises.authoring.draws import Drawing, JointDraw
+from exercises.authoring.draws import Drawing, JointDraw, ListDraw
 from exercises.authoring.points import allotted
 from exercises.authoring.publishing.publish import Section
 from exercises.authoring.questions import author, author_notebook
@@ -74,9 +75,12 @@ class Notebook:
         }
         self._exercises: list[DeclaredExercise] = []
 
-    def draw(self, function: Callable[[Drawing], dict[str, Any]]) -> JointDraw:
-        """Decorate a function that draws what belongs together and returns it by name."""
-        return JointDraw(function)
+    def draw(self, function: Callable[[Drawing], Any]) -> JointDraw:
+        """Decorate a function that draws what belongs together and returns it by name, or a generator
+        function that yields all inputs of a question.
+        """
+        made = ListDraw if inspect.isgeneratorfunction(function) else JointDraw
+        return made(function)
 
     def exercise(
         self, number: str, title: str | None = None, *, points: int | None = None, partial: bool = False
@@ -124,8 +128,9 @@ class Notebook:
         declared = _WithGivenCells(title or "", notebook=self.notebook, **self._given)
         declared.line = 1
         earlier: dict[str, NotebookSolution] = {}
+        dynamics: dict[str, AskedDynamics] = {}
         for exercise in self._exercises:
-            ask = Ask(solutions, exercise.partial)
+            ask = Ask(solutions, exercise.partial, dynamics)
             stopped = _raised(lambda: exercise.declare(ask), exercise)  # noqa: B023
             errors += stopped
             errors += _errors_of(exercise, ask, cells)
@@ -167,7 +172,9 @@ class _WithGivenCells(author.Notebook):
         return author_notebook.setup_with_constants(cells, names)
 
 
-def _uses(asked: Asked | AskedCell, earlier: dict[str, NotebookSolution]) -> list[NotebookSolution]:
+def _uses(
+    asked: Asked | AskedCell | AskedAgain, earlier: dict[str, NotebookSolution]
+) -> list[NotebookSolution]:
     """Return the earlier solutions, functions, that a solution calls."""
     names = names_in(asked.solution.source)
     return [

@@ -9,6 +9,7 @@ import inspect
 import io
 import threading
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -86,21 +87,27 @@ class Solutions:
     def names(self) -> Mapping[str, Any]:
         """The global names after Setup, given constants, and the definitions of all solution cells ran. They
         run in the assignment's folder, where its data files are, as in the sandbox.
+
+        A package that is not installed here, such as the course's, is left out with what needs it at once.
         """
         found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}"}
-        definitions = [
-            statement.text
-            for cell in self._code
-            if cell.is_solution(self.asked)
-            for statement in statements_of(cell.source)
-            if isinstance(statement.node, (*DEFINITION, ast.Import, ast.ImportFrom))
-        ]
-        setup = author_notebook.setup_with_constants(self.cells, self.asked)
+        absent = set[str]()
         # what the Setup prints is not for the output of a command
         with _WORKING_FOLDER, contextlib.chdir(self.folder), contextlib.redirect_stdout(io.StringIO()):
-            for text in (setup, *definitions):
-                exec(compile(text, str(self.folder / "notebook"), "exec"), found)
+            for statement in self._all_statements:
+                if _is_missing(statement.node) or statement.names.now & absent:
+                    absent |= statement.names.bound
+                else:
+                    body = ast.Module([statement.node], [])
+                    exec(compile(body, str(self.folder / "notebook"), "exec"), found)
         return found
+
+    @functools.cached_property
+    def _all_statements(self) -> list[Statement]:
+        setup = author_notebook.setup_with_constants(self.cells, self.asked)
+        solved = [s for c in self._code if c.is_solution(self.asked) for s in statements_of(c.source)]
+        kept = (*DEFINITION, ast.Import, ast.ImportFrom)
+        return [*statements_of(setup), *(one for one in solved if isinstance(one.node, kept))]
 
     @functools.cached_property
     def _code(self) -> list[Cell]:
@@ -120,6 +127,15 @@ class Solutions:
 
     def _solution(self, name: str, source: str, node: ast.AST | None) -> NotebookSolution:
         return self._found.setdefault(name, NotebookSolution(self, name, source, node))
+
+
+def _is_missing(node: ast.AST) -> bool:
+    """Return whether a statement imports a package that is not installed."""
+    if isinstance(node, ast.ImportFrom):
+        names = [node.module or ""]
+    else:
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+    return any(find_spec(name.partition(".")[0]) is None for name in names)
 
 
 def _text_of(statement: Statement) -> str:

@@ -3,29 +3,21 @@ accept.
 """
 
 import argparse
-import ast
 import contextlib
 import itertools
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.catalogue import find
-from exercises.authoring.mutants.mutation import variants
 from exercises.authoring.mutants.solution import Variant
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from service.cli.arguments import count
 from service.cli.errors import CommandError
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.reproduction import play_variants
-from service.grading.result import GradedFile
 from service.grading.submission import Submission
-from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, with_packages
@@ -40,17 +32,10 @@ of the solution.
 """
 
 
-class NoMutants(CommandError):
-    """The assignment has no right solution to change."""
-
-
 def add_mutants(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument(
         "assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)"
-    )
-    parser.add_argument(
-        "functions", nargs="*", metavar="FUNCTION", help="of an assignment's own exercises (default: all)"
     )
     parser.add_argument("--most", type=count, metavar="N", help="only the first N mutants")
     parser.set_defaults(run=_mutants)
@@ -58,8 +43,8 @@ def add_mutants(parser: argparse.ArgumentParser) -> None:
 
 def _mutants(arguments: argparse.Namespace) -> int:
     try:
-        results = list(grade_mutants(find(arguments.assignment), arguments.functions, arguments.most))
-    except (InvalidAssignment, NoAssignment, NoMutants, SystemFault, IsolationUnavailable) as error:
+        results = list(grade_mutants(find(arguments.assignment), arguments.most))
+    except (InvalidAssignment, NoAssignment, SystemFault, IsolationUnavailable) as error:
         raise CommandError(f"cannot grade mutants: {error}") from error
     print(table(results), kill_rate(results), sep="\n")
     kinds = {
@@ -94,74 +79,13 @@ class MutantResult:
         return self.wrong == self.accepted
 
 
-def grade_mutants(
-    assignment: Assignment, functions: Sequence[str] = (), most: int | None = None
-) -> Iterator[MutantResult]:
-    """Yield the result of each mutant (of the first ``most``).
-
-    The mutants are the generated variants of every question of a declaration, judged by the checks of that
-    question. Those of an assignment's own exercises are variants of right samples of ``functions``, or of all
-    functions that it asks for, graded by one process per core. Raises NoMutants if no right sample defines
-    one of them.
+def grade_mutants(assignment: Assignment, most: int | None = None) -> Iterator[MutantResult]:
+    """Yield the result of each mutant (of the first ``most``): the generated variants of every question,
+    judged by the checks of that question.
     """
     isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
-    if assignment.questions:
-        with contextlib.closing(Sandbox(with_packages(isolation, assignment.packages))) as sandbox:
-            yield from together(itertools.islice(_declared(assignment, sandbox), most))
-    else:
-        yield from _of_samples(assignment, functions, isolation, most)
-
-
-def _of_samples(
-    assignment: Assignment, functions: Sequence[str], isolation: Isolation, most: int | None
-) -> Iterator[MutantResult]:
-    sources: dict[str, str] = {}
-    for function in functions or dict.fromkeys(scene.function for scene in assignment.scenes):
-        if (source := assignment.right_submission(function)) is None:
-            raise NoMutants(f"no right submission defines {function}: add a sample right_….py")
-        sources[function] = source
-    versions = [
-        (function, variant) for function, source in sources.items() for variant in _versions(function, source)
-    ][:most]
-    graded = list(sources.items())
-    graded += [(function, variant.source) for function, variant in versions]
-    with tempfile.TemporaryDirectory() as folder:
-        requests = [
-            GradeRequest(Path(folder, f"{k}.py"), _calling(assignment, one))
-            for k, (one, _) in enumerate(graded)
-        ]
-        for request, (_, source) in zip(requests, graded, strict=True):
-            request.file.write_text(source, encoding="utf-8")
-        results = grade_files(requests, GradeOptions(assignment, SEED), isolation)
-        right = {function: _outcomes(next(results)) for function in sources}
-        for (function, variant), result in zip(versions, results, strict=True):
-            of = f"{function}, exercise {' and '.join(_calling(assignment, function))}"
-            yield _judged(variant, of, _outcomes(result), right[function])
-
-
-def _calling(assignment: Assignment, function: str) -> tuple[str, ...]:
-    """Return the numbers of the exercises whose checks call ``function``."""
-    named = {scene.name for scene in assignment.scenes if scene.function == function}
-    return tuple(e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks))
-
-
-def _versions(function: str, source: str) -> list[Variant]:
-    """Return the wrong versions of a sample that change ``function``."""
-    places = [
-        range(n.lineno, (n.end_lineno or 0) + 1)
-        for n in ast.parse(source).body
-        if getattr(n, "name", None) == function
-    ]
-    return [variant for variant in variants(source) if any(variant.line in place for place in places)]
-
-
-def _outcomes(graded: GradedFile) -> dict[str, Outcome]:
-    """Return the outcomes of a version by the ids of their checks. Raises SystemFault if it could not be
-    graded.
-    """
-    if graded.report is None:
-        raise SystemFault(graded.why)
-    return {outcome.id: outcome for outcome in graded.report.outcomes()}
+    with contextlib.closing(Sandbox(with_packages(isolation, assignment.packages))) as sandbox:
+        yield from together(itertools.islice(_declared(assignment, sandbox), most))
 
 
 def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:

@@ -17,9 +17,16 @@ from polhode.judging.checks import Arrays
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
-from polhode.kinds.values import agreement, to_rounding
+from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 from service.grading.quoting import StudentCode
-from service.grading.readings import constant_factor, numbers_at, order_of, too_few_digits
+from service.grading.readings import (
+    constant_factor,
+    extra_term,
+    factor_in_words,
+    numbers_at,
+    order_of,
+    too_few_digits,
+)
 
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
 
@@ -32,11 +39,14 @@ class Rank(IntEnum):
     CHANGED = 2
     MULTIPLE = 3
     MAGNITUDE = 4
-    CHANGED_TWICE = 5
+    DECLARED_MULTIPLE = 5
+    CHANGED_TWICE = 6
 
 
 CHANGES = (Rank.CHANGED, Rank.CHANGED_TWICE)
 READINGS = (Rank.READ, Rank.MULTIPLE, Rank.MAGNITUDE)
+BY_AUTHOR = (Rank.DECLARED, Rank.DECLARED_MULTIPLE)
+VAGUE = (Rank.CHANGED, Rank.DECLARED_MULTIPLE, Rank.CHANGED_TWICE)
 
 
 @dataclass(frozen=True)
@@ -78,7 +88,7 @@ def wrong_components(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -
     if not _has_exact_values(question, seen, truth):
         return []
     values = {value["name"]: value for value in question["returns"]}
-    return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth)]
+    return [c for c in components(question, seen) if not _agree(values[c.name], c, seen, truth, truth)]
 
 
 def _has_exact_values(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> bool:
@@ -98,30 +108,70 @@ def causes(
     ``predicted`` are the arrays of wrong versions of the right solution. A version that also calls its
     functions as often as the submission comes before one that does not.
     """
-    exact = {v for v, arrays in predicted.items() if reproduces(question, seen, arrays)}
+    exact = {v for v, arrays in predicted.items() if reproduces(question, seen, arrays, truth)}
     if wrong and not exact:
-        exact = {v for v, arrays in predicted.items() if reproduces(question, seen, _without_calls(arrays))}
+        exact = {
+            v for v, arrays in predicted.items() if reproduces(question, seen, _without_calls(arrays), truth)
+        }
     is_right = not wrong and _has_exact_values(question, seen, truth)  # only its calls are too many
     found = {WHOLE: {_of(variant) for variant in exact if variant.declared or not is_right}}
     values = {value["name"]: value for value in question["returns"]}
     for component in wrong:
         value = values[component.name]
-        alike = {
-            _of(variant)
+        same = [
+            variant
             for variant, arrays in predicted.items()
             if component.name in arrays
-            and _agree(to_rounding(value), component, seen, arrays)
-            and not _agree(value, component, arrays, truth)
-        }
-        found[component] = alike
+            and _agree(to_rounding(value), component, seen, arrays, truth)
+            and not _agree(value, component, arrays, truth, truth)
+        ]
+        local = [v for v in same if v.declared and _is_local(question, component, predicted[v], truth)]
+        # a component that is zero is so in many a version that changes the others
+        is_zero = _is_zero(value, component, seen, truth)
+        alike = {_of(v) for v in local or ([] if is_zero else same)}
+        found[component] = alike or set(_multiples(value, component, seen, truth, predicted))
         if not question.get("call"):  # an author's expression is no value that the student knows
             found[component] |= set(_readings(question, component, seen, truth))
     if wrong and len(values) == 1 and not question.get("call"):
         (name,) = values
-        found[WHOLE] |= set(_readings(question, Component(name, None, ""), seen, truth))
+        whole = Component(name, None, "")
+        found[WHOLE] |= set(_readings(question, whole, seen, truth))
+        found[WHOLE] = found[WHOLE] or set(_multiples(values[name], whole, seen, truth, predicted))
     if wrong and not question.get("call"):
         found[WHOLE] |= set(_orders(question, seen, truth))
     return found
+
+
+def _is_local(question: Mapping[str, Any], component: Component, arrays: Arrays, truth: Arrays) -> bool:
+    """Return whether a wrong version is right in all other components: it is the simpler explanation."""
+    values = {value["name"]: value for value in question["returns"]}
+    others = (one for one in components(question, truth) if one != component)
+    return all(
+        other.name in arrays and _agree(values[other.name], other, arrays, truth, truth) for other in others
+    )
+
+
+def _multiples(
+    value: Mapping[str, Any],
+    component: Component,
+    seen: Arrays,
+    truth: Arrays,
+    predicted: Mapping[Variant, Arrays],
+) -> Iterator[Cause]:
+    """Yield the declared mistakes that predict the numbers of a component up to a constant factor."""
+    got = component.of(seen[component.name])
+    for variant, arrays in predicted.items():
+        if not (variant.declared and variant.code and component.name in arrays):
+            continue
+        want = component.of(arrays[component.name])
+        if want.shape != got.shape:
+            continue
+        scale = own_scale(value, arrays[component.name], truth)
+        unit = np.ones_like(want) if scale is None else component.of(scale)
+        one, other = finite_alike(got, want)
+        if factor := constant_factor(one / unit, other / unit, precisely=scale is not None):
+            code, sentence = factor_in_words(factor, "the result", whole=not component.label)
+            yield Cause(Rank.DECLARED_MULTIPLE, (variant.code, code), (variant.sentence, sentence), variant)
 
 
 def diagnoses(
@@ -132,22 +182,44 @@ def diagnoses(
 
     ``right`` is the number of components that are right. A change in general words names the others, and
     gives way to what the numbers of each of them show.
+    A declared mistake of each wrong component comes before a change of the solution that explains them
+    together.
     """
     wrong = [part for part in left if part != WHOLE]
-    if whole := _common(left.get(WHOLE, ()), student):
+    whole = _common(left.get(WHOLE, ()), student)
+    is_vague = any(one.rank in VAGUE for one in whole)
+    if whole and not (
+        is_vague and wrong and all(_is_known(left[part]) and _common(left[part], student) for part in wrong)
+    ):
         if not all(one.is_general for one in whole):
-            return [Diagnosis(one.code, one.sentence, 1.0) for one in whole]
+            (at,) = (part.at for part in wrong) if len(wrong) == 1 else (None,)
+            return [Diagnosis(one.code, one.sentence, 1.0, component=at) for one in whole]
         if read := _read(left, wrong, student):
             return read
         return [_diagnosis(one, wrong if right else [WHOLE]) for one in whole]
     found: dict[Found, list[Component]] = {}
     for part in wrong:
-        several = _common(left[part], student)
+        several = _common(_of_most(left, part, wrong), student)
         if any(one.is_general for one in several):
             several = _common(_readings_among(left[part]), student) or several
         for one in several:
             found.setdefault(one, []).append(part)
     return [_diagnosis(one, parts, is_all=parts == wrong) for one, parts in found.items()]
+
+
+def _of_most(
+    left: Mapping[Component, Collection[Cause]], part: Component, wrong: Sequence[Component]
+) -> list[Cause]:
+    """Return the causes of a component, of declared mistakes only those that explain most other components
+    too: one order of all components comes before another that explains this one alone.
+    """
+    shared = {cause: sum(cause in left[other] for other in wrong) for cause in left[part]}
+    most = max((n for cause, n in shared.items() if cause.rank is Rank.DECLARED), default=0)
+    return [cause for cause, n in shared.items() if cause.rank is not Rank.DECLARED or n == most]
+
+
+def _is_known(found: Collection[Cause]) -> bool:
+    return min((cause.rank for cause in found), default=None) in (Rank.DECLARED, Rank.READ)
 
 
 def _read(
@@ -169,8 +241,9 @@ def _diagnosis(found: "Found", parts: Sequence[Component], *, is_all: bool = Tru
     labels = [part.label for part in parts]
     if len(parts) == parts[0].of_several > 1 and " of " in labels[0] and len({p.name for p in parts}) == 1:
         labels = [f"the value {parts[0].name}"]
-    named = found.rank in CHANGES or (found.rank is Rank.DECLARED and not is_all)
-    text = f"{_joined(labels)}: {found.sentence}" if named and labels[0] else found.sentence
+    named = found.rank in CHANGES or (found.rank in BY_AUTHOR and not is_all)
+    is_quoted = len(labels) == 1 and labels[0] in found.sentence
+    text = f"{_joined(labels)}: {found.sentence}" if named and labels[0] and not is_quoted else found.sentence
     is_one_of_one_value = len(parts) == 1 and " of " not in parts[0].label
     return Diagnosis(found.code, text, 1.0, component=parts[0].at if is_one_of_one_value else None)
 
@@ -243,9 +316,8 @@ def components(question: Mapping[str, Any], seen: Arrays) -> list[Component]:
             found.append(Component(name, None, whole))
         else:
             of = f" of {name}" if several else ""
-            found += [
-                Component(name, k, f"component {k + 1}{of}", of_several=shape[0]) for k in range(shape[0])
-            ]
+            own = value.get("components") or [f"component {k + 1}{of}" for k in range(shape[0])]
+            found += [Component(name, k, label, of_several=shape[0]) for k, label in enumerate(own)]
     return found
 
 
@@ -259,12 +331,21 @@ def _without_calls(arrays: Arrays) -> Arrays:
     return {name: array for name, array in arrays.items() if name != "calls"}
 
 
-def _agree(value: Mapping[str, Any], component: Component, got: Arrays, want: Arrays) -> bool:
+def _agree(value: Mapping[str, Any], component: Component, got: Arrays, want: Arrays, truth: Arrays) -> bool:
     one, other = component.of(got[component.name]), component.of(want[component.name])
     if one.shape != other.shape:
         return False
-    scale = np.abs(want[component.name]).max() or 1.0
-    return agreement(value, one, other, scale).verdict is Verdict.PASS
+    scale = own_scale(value, want[component.name], truth)
+    unit = (np.abs(want[component.name]).max() or 1.0) if scale is None else component.of(scale)
+    return agreement(value, *finite_alike(one, other), unit).verdict is Verdict.PASS
+
+
+def _is_zero(value: Mapping[str, Any], component: Component, seen: Arrays, truth: Arrays) -> bool:
+    """Return whether a component is zero for every input, to rounding if its value has a scale of its own."""
+    got, scale = component.of(seen[component.name]), own_scale(value, truth[component.name], truth)
+    if scale is None or not np.any(got):
+        return not np.any(got)
+    return agreement(value, got, np.zeros_like(got), component.of(scale)).verdict is Verdict.PASS
 
 
 def _readings(
@@ -279,22 +360,35 @@ def _readings(
         return Cause(rank, (code,), (sentence,))
 
     value = {**next(v for v in question["returns"] if v["name"] == component.name), "up_to": None}
-    scale = np.abs(truth[component.name]).max() or 1.0
+    own = own_scale(value, truth[component.name], truth)
+    unit = np.ones_like(want) if own is None else component.of(own)
+    scale = (np.abs(truth[component.name]).max() or 1.0) if own is None else unit
 
     def is_(numbers: Any) -> bool:
-        same = np.shape(numbers) == got.shape
-        return same and agreement(value, got, np.asarray(numbers, float), scale).verdict is Verdict.PASS
+        if np.shape(numbers) != got.shape:
+            return False
+        numbers = np.asarray(numbers, float)
+        within = scale if own is None else np.maximum(scale, np.abs(numbers))
+        return agreement(value, got, numbers, within).verdict is Verdict.PASS
 
-    if not np.any(got):
+    if _is_zero(value, component, seen, truth):
         yield cause("returns-zero" if is_whole else "missing-component", f"{what} is zero for every input")
         return
     if is_(-want):
-        code, rank = ("sign-reversed", Rank.MULTIPLE) if is_whole else ("sign-flipped", Rank.READ)
-        yield cause(code, f"{what} has the opposite sign", rank)
-    elif factor := constant_factor(got, want):
-        yield cause("constant-factor", f"{what} is {factor:.6g} times the right value", Rank.MULTIPLE)
+        rank = Rank.MULTIPLE if is_whole else Rank.READ
+        yield cause(*factor_in_words(-1.0, what, whole=is_whole), rank)
+    elif factor := constant_factor(got / unit, want / unit, precisely=own is not None):
+        yield cause(*factor_in_words(factor, what, whole=is_whole), Rank.MULTIPLE)
     if np.any(want < 0) and is_(np.abs(want)):
         yield cause("absolute-value", f"{what} is the absolute value of the right one", Rank.MAGNITUDE)
+    for name in (name for name in truth if name.startswith("term ") and not is_whole):
+        codes = extra_term(got, want, component.of(truth[name]), unit)
+        sentences = [
+            f"{what} has an extra term {name.removeprefix('term ')}",
+            f"{what} has the opposite sign",
+        ]
+        if codes:
+            yield Cause(Rank.READ, codes, tuple(sentences[: len(codes)]))
     if is_(np.degrees(want)):
         yield cause("units", f"{what} is in degrees: the exercise asks for radians")
     if is_(np.radians(want)):

@@ -99,7 +99,7 @@ def _grade(
     reproduced = functools.cache(
         lambda question: reproduction.diagnose_question(assignment, question, played, sandbox, variants)
     )
-    causes = functools.cache(lambda scene: diagnose(assignment, scene, played, reproduced))
+    causes = functools.cache(lambda scene: diagnose(assignment, scene, reproduced))
     sections = [judge(e, assignment, played, causes, remarks=chains.remarks) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}

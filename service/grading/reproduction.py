@@ -6,7 +6,10 @@ The variants are played in the sandbox, without the submission, because a wrong 
 import functools
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 from weakref import WeakKeyDictionary
+
+import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Scene
 from exercises.authoring.mutants.solution import Variant
@@ -25,6 +28,7 @@ from service.grading.explanations import (
 )
 from service.grading.playing import PlayedJob
 from service.grading.quoting import StudentCode
+from service.grading.readings import in_general, unrepeatable
 from service.sandbox.job import Job
 from service.sandbox.result import TooBusy
 from service.sandbox.sandbox import Sandbox
@@ -58,9 +62,13 @@ def diagnose_question(
     asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
     scenes = [s for s, question in asked if question["id"] == id and not question.get("part")]
     scenes.sort(key=lambda scene: callable(scene.inputs))
+    played = _with_enough_rows(scenes, played)
+    arrays = played.result.arrays
     for scene in scenes:
         assert scene.question is not None
         own = diagnose(scene.question, arrays[scene.name], played.truths[scene.name])
+        if own is None and _is_wrong(scene, played):
+            own = unrepeatable(scene.question, arrays[scene.name], played.truths[scene.name]) or None
         if own is not None:
             return with_scenes(own, [scene.name])
 
@@ -70,7 +78,7 @@ def diagnose_question(
             found = play_variants(played.job, scene.name, versions, sandbox, budget, budget_s=VARIANT_S)
             if budget.exceeded():
                 raise _NotKnown
-            differing = _differing(scene, versions[0], found)
+            differing = _differing(scene, versions[0], found, played.truths[scene.name])
             if callable(scene.inputs):
                 return differing
             known[kind] = differing
@@ -88,7 +96,42 @@ def diagnose_question(
                 return found
     except (_NotKnown, TooBusy):
         pass
+    for scene in (scene for scene in scenes if wrong.get(scene.name)):
+        assert scene.question is not None
+        if found := in_general(scene.question, arrays[scene.name], played.truths[scene.name]):
+            return with_scenes(found, [scene.name])
     return []
+
+
+def _with_enough_rows(scenes: Sequence[Scene], played: PlayedJob) -> PlayedJob:
+    """Return the played job with those rows of the scenes that are enough to find a cause."""
+    arrays, truths, requests = dict(played.result.arrays), dict(played.truths), list(played.job.scenes)
+    for scene in scenes:
+        if (choose := scene.diagnosed) is None:
+            continue
+        rows = choose(played.inputs[scene.name])
+        count = next(iter(scene.returns.values())).shape[0]
+
+        def chosen(columns: Mapping[str, Any], rows: Any = rows, count: int = count) -> dict[str, Any]:
+            return {
+                name: np.asarray(column)[rows] if np.ndim(column) and len(column) == count else column
+                for name, column in columns.items()
+            }
+
+        arrays[scene.name], truths[scene.name] = chosen(arrays[scene.name]), chosen(truths[scene.name])
+        k = next(k for k, request in enumerate(requests) if request.name == scene.name)
+        returns = {
+            name: replace(spec, shape=(len(rows), *spec.shape[1:])) for name, spec in scene.returns.items()
+        }
+        requests[k] = replace(requests[k], inputs=chosen(requests[k].inputs), returns=returns)
+    result = replace(played.result, arrays=arrays)
+    return replace(played, result=result, truths=truths, job=replace(played.job, scenes=tuple(requests)))
+
+
+def _is_wrong(scene: Scene, played: PlayedJob) -> bool:
+    assert scene.question is not None
+    arrays, truth = played.result.arrays[scene.name], played.truths[scene.name]
+    return bool(wrong_components(scene.question, arrays, truth))
 
 
 def _explained(
@@ -135,14 +178,14 @@ def _chosen(
     return [variant for variant in variants if variant in still]
 
 
-def _differing(scene: Scene, right: Variant, found: dict[Variant, Arrays]) -> Predictions:
+def _differing(scene: Scene, right: Variant, found: dict[Variant, Arrays], truth: Arrays) -> Predictions:
     """Return the arrays of the versions that differ from those of the ``right`` solution."""
     assert scene.question is not None
     exact = found.get(right, {})
     return {
         variant: arrays
         for variant, arrays in found.items()
-        if variant is not right and not reproduces(scene.question, arrays, exact)
+        if variant is not right and not reproduces(scene.question, arrays, exact, truth)
     }
 
 

@@ -3,7 +3,7 @@
 # ends: pass
 import importlib
 
-for name in ("reference", "exercises", "exercises.rigid_body.scenes", "service", "service.grading.grade", "tests", "polhode.secret"):
+for name in ("reference", "exercises", "exercises.rigid_body.draws", "service", "service.grading.grade", "tests", "polhode.secret"):
     attempt(name, lambda: importlib.import_module(name))
 import sys
 

@@ -3,7 +3,7 @@
 # ends: pass
 for path in ("/expected.json", "/app.db", "/../secrets/app.db"):
     attempt(path, lambda: open(SECRETS + path).read())
-for path in ("/service/grading/grade.py", "/exercises/rigid_body/scenes.py", "/reference/exact.py", "/pyproject.toml"):
+for path in ("/service/grading/grade.py", "/exercises/rigid_body/draws.py", "/reference/exact.py", "/pyproject.toml"):
     attempt(path, lambda: open(HOST_CODE + path).read())
 attempt("through proc", lambda: open("/proc/1/root" + SECRETS + "/expected.json").read())
 attempt("through the folder", lambda: open("/proc/self/cwd" + SECRETS + "/app.db").read())

@@ -22,7 +22,7 @@ LAB = Path(__file__).parents[1] / "assignments" / "lab_course"
 MODEL = "def model(x):\n    return 2 * x\n"
 RESIDUAL = "def residual(predicted, y):\n    return np.sum((predicted - y) ** 2)\n"
 TOTAL = "def total():\n    return np.loadtxt('points.csv').sum() + float(open('runs/first.csv').read())\n"
-VALUES = "slope = 2.0\nsettings = {'g': 9.81}\n"
+VALUES = "slope = 2.0\ng = 9.81\n"
 PENDULUM = "class Pendulum:\n    count = 0\n    def step(self):\n        self.count += 1\n"
 SKELETON = """class Pendulum:
     '''A pendulum.'''
@@ -31,7 +31,7 @@ SKELETON = """class Pendulum:
     @property
     def count(self): ...
 """
-EMPTY = "slope = ...\nsettings = None\ndef total():\n    pass\n"
+EMPTY = "slope = ...\ng = None\ndef total():\n    pass\n"
 
 
 @pytest.fixture(scope="module")
@@ -82,12 +82,12 @@ def checked(home, lab, *sources):
 
 CASES = {
     "all": (MODEL + RESIDUAL + TOTAL + VALUES + PENDULUM, "✓✓✓✓✓✓", "1234", "6 of 6"),
-    "a play with two functions": (MODEL + RESIDUAL, "✓✓–", "12", "2 of 6"),
-    "a check of another exercise's function does not count": (RESIDUAL + TOTAL, "✓", "2", "1 of 6"),
+    "one exercise of two functions": (MODEL + RESIDUAL, "✓✓", "1", "2 of 6"),
+    "one function of the two": (RESIDUAL, "–✓", "1", "1 of 6"),
     "a variable": ("slope = np.float64(2)\n", "✓–", "3", "1 of 6"),
-    "a wrong variable": ("slope = 3\nsettings = {'g': '9.81'}\n", "✗–", "3", "0 of 6"),
-    "nothing but skeletons": (MODEL + SKELETON + EMPTY, "✓", "1", "1 of 6"),
-    "a number instead of a class": (MODEL + "Pendulum = 3.0\n", "✓", "1", "1 of 6"),
+    "a wrong variable": ("slope = 3\ng = '9.81'\n", "✗–", "3", "0 of 6"),
+    "nothing but skeletons": (MODEL + SKELETON + EMPTY, "✓–", "1", "1 of 6"),
+    "a number instead of a class": (MODEL + "Pendulum = 3.0\n", "✓–", "1", "1 of 6"),
 }
 
 
@@ -117,7 +117,8 @@ def test_what_is_no_function_is_named(lab, home, sandbox):
         "[not measured: model is None, not a function]",
         "[not measured: Pendulum is of type float, not a function]",
     ]
-    assert [o.line.partition("   ")[2] for o in report.outcomes()] == lines
+    model, _, pendulum = (o.line.partition("   ")[2] for o in report.outcomes())
+    assert [model, pendulum] == lines
 
 
 ESCAPES = """
@@ -133,8 +134,8 @@ def attempt(action):
 
 def total():
     assert sorted(os.listdir(".")) == ["points.csv", "runs"] and os.listdir("runs") == ["first.csv"]
-    done = attempt(lambda: open("../public/__init__.py")) + attempt(lambda: os.listdir(".."))
-    done += attempt(lambda: open(FOLDER + "/points.csv")) + attempt(lambda: open(FOLDER + "/plays.py"))
+    done = attempt(lambda: open("../assignment.py")) + attempt(lambda: os.listdir(".."))
+    done += attempt(lambda: open(FOLDER + "/points.csv")) + attempt(lambda: open(FOLDER + "/assignment.py"))
     done += attempt(lambda: os.listdir(FOLDER)) + attempt(lambda: open(FOLDER + "/points.csv", "a"))
     return POINTS.sum() + 3.0 + done
 """
@@ -144,7 +145,7 @@ def test_data_files_can_be_read_and_nothing_else(lab, either_sandbox):
     source = f"FOLDER = {os.fspath(lab.folder)!r}\n{ESCAPES}"
     report = grade(Submission(source), lab, either_sandbox, 1).report
     (outcome,) = report.outcomes()
-    assert outcome.line == "✓  the sum of both files   [got 6 vs expected 6 (rtol=1e-12, atol=1e-12)]"
+    assert outcome.line == "✓  the sum of both files   [max|Δ| = 0 (rtol=1e-12, atol=1e-12)]"
 
 
 def test_a_submission_changes_its_own_copy_of_a_data_file(lab, either_sandbox):
@@ -211,11 +212,11 @@ def test_wrong_declarations_of_data_and_variables_are_errors(lab, tmp_path):
     assert "exercise 1: the variable slope is not in functions" in found
     assert "exercise 1: no exercise asks for its prerequisite nothing" in found
     same = dataclasses.replace(
-        lab.exercises[1], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[1].checks)
+        lab.exercises[0], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[0].checks)
     )
-    (found,) = errors(dataclasses.replace(lab, exercises=(lab.exercises[0], same)))
+    (found,) = errors(dataclasses.replace(lab, exercises=(same, lab.exercises[1])))
     assert (
-        found == "exercise 2: several checks have the label 'x': a report shows labels, so give each its own"
+        found == "exercise 1: several checks have the label 'x': a report shows labels, so give each its own"
     )
     assert errors(dataclasses.replace(lab, data="points.csv")) == [
         "data is 'points.csv', not a tuple of file names"

@@ -1,4 +1,4 @@
-"""The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
+"""An assignment as grading reads it: scenes, exercises, sweeps and packages."""
 
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -8,15 +8,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Exercise, points
-from polhode.judging.outcome import Diagnosis, SweepResult
+from polhode.judging.outcome import SweepResult
 from polhode.report.report import out_of
 
 Inputs = Mapping[str, Any]
-Answers = Mapping[str, tuple[Inputs, Arrays]]
-"""The inputs of a function and the arrays it returned, by scene."""
 
 
 class InvalidAssignment(Exception):
@@ -63,7 +62,8 @@ class Scene:
     The scene of a ``question`` (polhode.kinds) is played by ``play(question, student, inputs)``, and its
     inputs run along its rows in their first index.
 
-    Inputs that are ``withheld`` stay on the host: only ``truth`` gets them.
+    Inputs that are ``withheld`` stay on the host: only ``truth`` gets them. ``diagnosed(inputs)`` returns the
+    rows of a question that are enough to find a cause, by default all.
     """
 
     name: str
@@ -79,6 +79,7 @@ class Scene:
     needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
     withheld: tuple[str, ...] = ()
+    diagnosed: Callable[[Inputs], NDArray[Any]] | None = None
 
 
 @dataclass(frozen=True)
@@ -117,14 +118,11 @@ class Assignment:
     scenes; both run inside the sandbox.
 
     ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides
-    numpy, scipy and matplotlib; they must be installed on the server. ``diagnose`` returns the likely causes
-    of one scene's numbers. ``diagnose_function`` returns those that explain all scenes of a function, or
-    None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
-    verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
-    if that is more than the server's limit: five times as much as the right solution uses. ``data`` names
-    files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv".
-    ``load_s`` is the CPU time in seconds for a submission's cells, if that is more than 10: for each cell, if
-    there are ``published`` ones.
+    numpy, scipy and matplotlib; they must be installed on the server. ``cpu_s`` is the CPU time in seconds
+    that one grading may use, if that is more than the server's limit: five times as much as the right
+    solution uses. ``data`` names files of the folder that submissions read by the same relative name, such as
+    "pendulum.csv". ``load_s`` is the CPU time in seconds for a submission's cells, if that is more than 10:
+    for each cell, if there are ``published`` ones.
 
     ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right
     solution and wrong ones of a question by its id (exercises.authoring.mutants.mistakes.Variant), ``pairs``
@@ -143,12 +141,7 @@ class Assignment:
     exercises: tuple[Exercise, ...]
     setup: str
     plays: str
-    diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
-    diagnose_function: Callable[[str, Answers], list[Diagnosis] | None] = field(
-        default=lambda function, answers: None
-    )
     sweeps: tuple[Sweep, ...] = ()
-    codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
     data: tuple[str, ...] = ()

@@ -107,9 +107,7 @@ def discover(named: Path) -> list[Path]:
     """Return the assignment that a folder is, or every assignment in it. A folder that does not exist is
     returned itself.
     """
-    if not named.is_dir() or any(
-        (named / file).is_file() for file in (DECLARATION, "__init__.py", "plays.py")
-    ):
+    if not named.is_dir() or any((named / one).exists() for one in (DECLARATION, "__init__.py", "samples")):
         return [named]
     return sorted(path.parent for path in named.glob(f"*/{DECLARATION}"))
 

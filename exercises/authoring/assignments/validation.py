@@ -2,17 +2,15 @@
 
 import ast
 import functools
-import importlib
 import math
 import re
 import traceback
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.validation_cells import ReportedLine
 from polhode.judging.author_errors import AuthorError
-from polhode.judging.exercise import Exercise
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 # where an import of one of them, or of a neighbour, may be
@@ -60,17 +58,16 @@ def syntax_errors(folder: Path, valid: Collection[str] = ()) -> list[str]:
 
 
 def _imports(assignment: Assignment) -> Iterator[str]:
-    """Yield an error for each import in plays.py and the Setup of a module that the guest does not have."""
-    for name, source in (("plays.py", assignment.plays), ("the Setup", assignment.setup)):
-        for node in ast.walk(_parsed(source)) if ABSENT.search(source) else ():
-            if isinstance(node, ast.Import | ast.ImportFrom):
-                of = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else None
-                for module in [of] if of else [alias.name for alias in node.names]:
-                    if module.split(".")[0] in ("", *HOST_ONLY):
-                        yield (
-                            f"{name} line {node.lineno}: the sandbox and the kit have no {module}; import"
-                            " numpy, scipy or polhode"
-                        )
+    """Yield an error for each import in the Setup of a module that the guest does not have."""
+    for node in ast.walk(_parsed(assignment.setup)) if ABSENT.search(assignment.setup) else ():
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            of = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else None
+            for module in [of] if of else [alias.name for alias in node.names]:
+                if module.split(".")[0] in ("", *HOST_ONLY):
+                    yield (
+                        f"the Setup line {node.lineno}: the sandbox and the kit have no {module}; import"
+                        " numpy, scipy or polhode"
+                    )
 
 
 def _of_data(assignment: Assignment) -> Iterator[str]:
@@ -154,22 +151,12 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
 
 
 def _of_scenes(assignment: Assignment) -> Iterator[str]:
-    names, tree = [s.name for s in assignment.scenes], _parsed(assignment.plays)
-    plays = {
-        alias.asname or alias.name
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
-    plays |= {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    names = [s.name for s in assignment.scenes]
     for at, scene in enumerate(assignment.scenes):
         if scene.after is not None and scene.after not in names[:at]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
-    for scene in [*assignment.scenes, *(sweep.scene for sweep in assignment.sweeps)]:
-        if scene.play not in plays:
-            yield f"scene {scene.name}: plays.py has no function {scene.play}"
 
 
 @functools.lru_cache(maxsize=8)
@@ -184,41 +171,6 @@ def _parsed(source: str) -> ast.Module:
 def _twice(names: Iterable[str]) -> list[str]:
     listed = list(names)
     return sorted({name for name in listed if listed.count(name) > 1})
-
-
-def public_errors(assignment: Assignment) -> list[str]:
-    """Return the errors of the folder public/; empty if there is none. Without the folder ``polhode.check``
-    does not know the assignment.
-    """
-    if not (assignment.folder / "public").is_dir():
-        return []
-    try:
-        public = importlib.import_module(f"exercises.{assignment.folder.name}.public")
-    except (Exception, SystemExit) as error:
-        return [f"public/: {format_error(error, assignment.folder)}"]
-    if not hasattr(public, "EXERCISES"):
-        return ["public/__init__.py defines no EXERCISES"]
-    return [f"public/: {error}" for error in _public_errors(assignment, public.EXERCISES)]
-
-
-def _public_errors(assignment: Assignment, exercises: Sequence[Exercise]) -> Iterator[str]:
-    served = {e.number: {c.id for c in e.checks} for e in assignment.exercises}
-    drawn = {s.name for s in assignment.scenes if callable(s.inputs)}
-    for exercise in exercises:
-        if exercise.number not in served:
-            yield f"the server has no exercise {exercise.number}"
-            continue
-        yield from (
-            f"the server does not have the check {c.id}"
-            for c in exercise.checks
-            if c.id not in served[exercise.number]
-        )
-        yield from (
-            f"exercise {exercise.number}: no scene {s}"
-            for s in sorted(exercise.scenes() - {s.name for s in assignment.scenes})
-        )
-        known = sorted(exercise.scenes() & drawn)
-        yield from (f"exercise {exercise.number} reads the scene {s}, whose inputs are random" for s in known)
 
 
 def format_error(error: BaseException, folder: Path) -> str:

@@ -1,18 +1,23 @@
 """Questions about an animation of points that follow given trajectories."""
 
+import functools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from exercises.authoring.assignments.assignment import ArraySpec
+from exercises.authoring.assignments.assignment import ArraySpec, Scene
 from exercises.authoring.kinds import kind
+from exercises.authoring.kinds.own_motion import own_motion
 from exercises.authoring.questions.declared import Ask, Itself, Limit, Positive, tolerance_data
 from exercises.authoring.questions.question import Question
 from polhode.animation.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
 from polhode.animation.artists import MOST_AXES
+from polhode.judging.outcome import Tolerance
 from polhode.kinds import asking
+from polhode.kinds.animation.adopted import MOST_OWN
+from polhode.kinds.animation.body import AGREE
 
 RECORDING = {
     "frames": ArraySpec((STILLS, HEIGHT, WIDTH, 3), "uint8", up_to=True),
@@ -24,6 +29,12 @@ RECORDING = {
     "cost": ArraySpec((6,)),
 }
 """What a scene with an animation returns (polhode.animation.animation_recording)."""
+OWN = {
+    "own_R": ArraySpec((MOST_OWN, 3, 3), up_to=True),
+    "own_t": ArraySpec((MOST_OWN, 1), up_to=True),
+    "own_I": ArraySpec((8, 3), up_to=True),
+}
+"""The numbers behind an animation that a cell shows (polhode.kinds.animation.adopted)."""
 RECORDING_S, BUDGET_S = 12.0, 15.0
 
 
@@ -33,6 +44,12 @@ class Animated(Question):
     is given.
     """
 
+    @functools.cached_property
+    def document(self) -> dict[str, Any]:
+        """The question as data, with the scene's own name."""
+        found, own = super().document, self.data["scene"]
+        return found | ({"scenes": {"public": own, "hidden": None}} if own else {})
+
     @property
     def asked(self) -> dict[str, Any]:
         """The question as data."""
@@ -41,13 +58,33 @@ class Animated(Question):
     def exact(self, rows: Mapping[str, Any], part: Any = None) -> dict[str, Any]:
         """Return the times and trajectories of the first row, and the drawn values as ``at_NAME``."""
         given = asking.arguments(self.document, next(asking.each_row(rows), {}))
-        wanted = {
-            name: np.asarray(given[name], dtype=float) for name in (self.data["time"], *self.data["follow"])
-        }
+        names = (self.data["time"], *self.data["follow"], *_of_body(self.data["body"]))
+        wanted = {name: np.asarray(given[name], dtype=float) for name in names}
         return wanted | {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}
 
+    def scene(self, name: str, rows: int, part: Any = None) -> Scene:
+        """Return the scene; that of a body is judged by the motion behind an animation that a cell shows."""
+        own, body = self.data["scene"], self.data["body"]
+        made = super().scene(name, rows, part)
+        if not body:
+            return made
+        moments, time = self.data["moments"], self.data["time"]
+
+        def replaced(inputs: Any, seen: Any) -> Any:
+            return own_motion(seen, moments, {"t": time, **body})
+
+        def exact(inputs: Any) -> Any:
+            return self.exact({}) | dict(inputs)
+
+        return replace(made, name=own or made.name, replaced=replaced if body["L"] else None, truth=exact)
+
     def _specs(self, rows: int, part: Any = None) -> Any:
-        return RECORDING
+        return RECORDING | OWN if self.data["body"] else RECORDING
+
+
+def _of_body(body: Mapping[str, Any] | None) -> list[str]:
+    """Return the arguments that are the motion of a body."""
+    return [body[key] for key in ("R", "L", "half") if body[key]] if body else []
 
 
 @kind(rows=None, budget_s=BUDGET_S, uses=False)
@@ -79,11 +116,57 @@ def animation(
             "time": time,
             "agree": tolerance_data(agree),
             "seconds": RECORDING_S * budget_s / BUDGET_S,
+            "body": None,
+            "title": None,
+            "sheet": None,
+            "scene": None,
         },
         rows=(1, 1),
         errors=lambda: _errors(made),
     )
     return made
+
+
+@kind(rows=None, budget_s=BUDGET_S, uses=False)
+def body_animation(
+    solution: Callable[..., Any],
+    ask: Ask,
+    body: Mapping[str, Any],
+    *,
+    time: str = "t",
+    moments: Sequence[float] = (),
+    title: str | None = None,
+    sheet: str | None = None,
+    scene: str | None = None,
+    budget_s: Positive = BUDGET_S,
+) -> Question:
+    """Return the question to draw a turning body with ``solution`` from the arguments ``ask``, in any style.
+
+    ``body`` names the arguments R, attitudes (n, 3, 3) from body axes to space at the times ``time``, and L,
+    the angular momentum in space, or half, the half edges of a box; ``axis`` (0, 1, 2) is the body axis to
+    draw, None for any points of the body. An animation of a symmetric top that a cell shows is accepted in
+    place of the function: its moments are among the notebook's numbers, or are ``moments``. ``title`` is that
+    of the contact sheet.
+    """
+    return Animated(
+        kind="animation",
+        solution=solution,
+        ask=ask,
+        values={},
+        truth=Itself("the motion is given"),
+        data={
+            "follow": [],
+            "time": time,
+            "agree": tolerance_data(Tolerance(limit=0.03, reason=AGREE)),
+            "seconds": RECORDING_S * budget_s / BUDGET_S,
+            "body": {"R": None, "L": None, "half": None, "axis": None} | dict(body),
+            "title": title,
+            "sheet": sheet,
+            "scene": scene,
+            "moments": list(moments),
+        },
+        rows=(1, 0),
+    )
 
 
 def _errors(question: Question) -> Iterator[str]:

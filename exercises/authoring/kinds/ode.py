@@ -13,6 +13,7 @@ from exercises.authoring.assignments.assignment import Sweep
 from exercises.authoring.assignments.sweep import BUDGET_S, SETTINGS, result
 from exercises.authoring.kinds import kind
 from exercises.authoring.questions.declared import (
+    Agree,
     Ask,
     Count,
     Expression,
@@ -22,7 +23,6 @@ from exercises.authoring.questions.declared import (
     Named,
     Positive,
     Truth,
-    Value,
     named_values,
     tolerance_data,
 )
@@ -30,7 +30,7 @@ from exercises.authoring.questions.question import Part, Question, call_with
 from exercises.authoring.questions.question_errors import family_errors
 from polhode.judging.checks import Arrays
 from polhode.judging.integration import solve_ivp
-from polhode.judging.outcome import SweepResult, Tolerance
+from polhode.judging.outcome import SweepResult
 from polhode.kinds import ode as kit
 from polhode.kinds.asking import flat, split
 
@@ -39,7 +39,7 @@ from polhode.kinds.asking import flat, split
 def ode(
     solution: Callable[..., Any],
     ask: Ask,
-    agree: Tolerance | Value,
+    agree: Agree,
     *,
     truth: Truth | None = None,
     t_end: Positive | None = None,

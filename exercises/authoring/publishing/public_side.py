@@ -41,7 +41,7 @@ def _content(slug: str) -> dict[str, bytes]:
     found |= {
         f"{course_packages.FOLDER}/{name}": content for name, content in course_packages.files().items()
     }
-    if assignment.questions or (assignment.folder / "public").is_dir():
+    if assignment.questions:
         try:
             found |= dict(_public_side(assignment))
         except Exception:  # its scenes or truth failed; students can still submit
@@ -50,8 +50,6 @@ def _content(slug: str) -> dict[str, bytes]:
 
 
 def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
-    for path in sorted((assignment.folder / "public").glob("*.py")):
-        yield path.name, path.read_bytes()
     yield "plays.py", assignment.plays.encode()
     used = {name for e in assignment.exercises for name in e.scenes()}
     scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, with_ids
 from exercises.authoring.questions.question import Question
-from polhode.judging.exercise import Exercise
 from polhode.notebook.cells import DEFINITION, python_of, statements_of
 from polhode.notebook.names import names_in
 
@@ -44,21 +43,17 @@ IS_BROUGHT = re.compile(re.escape(BROUGHT).replace(re.escape("{package}"), r"\w+
 
 
 class Section(NamedTuple):
-    """An exercise of the declaration: its questions and lines of validation cells, or the author's ``own``
-    exercise.
-    """
+    """An exercise of the declaration: its questions and lines of validation cells."""
 
     number: str
     title: str
     questions: tuple[Question, ...] = ()
-    own: Exercise | None = None
     lines: tuple[Line, ...] = ()
 
     @property
     def names(self) -> list[str]:
         """The names that its questions ask for."""
-        own = [] if self.own is None else [*self.own.functions, *self.own.optional]
-        return list(dict.fromkeys([*own, *(name for question in self.questions for name in question.names)]))
+        return list(dict.fromkeys(name for question in self.questions for name in question.names))
 
 
 def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:

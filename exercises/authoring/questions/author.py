@@ -1,19 +1,18 @@
 """The declaration that a course author writes: one ``assignment.py`` for each notebook.
 
 The file makes one ``Notebook`` and adds its exercises, each of one or more questions. The functions of
-``exercises.authoring.kinds`` make the questions. What no question can say, an exercise of the author's own
-says with functions in the same folder.
+``exercises.authoring.kinds`` make the questions.
 """
 
 import functools
 import inspect
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exercises.authoring.assignments.assignment import Assignment, Scene, Sweep
+from exercises.authoring.assignments.assignment import Assignment, Sweep
 from exercises.authoring.importing.validation_cells import (
     Line,
     line_errors,
@@ -28,8 +27,6 @@ from exercises.authoring.questions.author_notebook import Cell, InvalidNotebook
 from exercises.authoring.questions.declared import Draw, Family, Itself, Mistake, Value
 from exercises.authoring.questions.question import Question
 from exercises.authoring.questions.question_errors import question_errors, uses_errors
-from polhode.judging.checks import Check
-from polhode.judging.exercise import Exercise
 from polhode.judging.outcome import Tolerance
 from polhode.kinds import exercise as expand_exercise
 
@@ -51,7 +48,7 @@ __all__ = [
 ]
 
 
-PLAYS = "\nfrom polhode.kinds import play\n"
+PLAYS = "\nfrom polhode.kinds import adopt, play\n"
 """The functions that play the scenes of questions, which are data."""
 
 
@@ -113,10 +110,6 @@ class Notebook:
 
     ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and
     ``data`` are those of ``Assignment``.
-
-    For exercises of the author's own (``own_exercise``): ``scenes`` are their scenes, played by functions of
-    plays.py beside the file, and ``diagnose``, ``diagnose_function``, ``codes`` and ``sweep`` are those of
-    ``Assignment``.
     """
 
     title: str
@@ -127,11 +120,6 @@ class Notebook:
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
     load_s: float | None = None
-    scenes: tuple[Scene, ...] = ()
-    diagnose: Callable[..., Any] | None = None
-    diagnose_function: Callable[..., Any] | None = None
-    codes: tuple[str, ...] = ()
-    sweep: Sweep | None = None
     sections: list[Section] = field(default_factory=list)
     line: int = 0
 
@@ -146,19 +134,8 @@ class Notebook:
         unique = len(names) == len(set(names)) > 1
         ids = [f"{number}-{name}" if unique else f"{number}-{k}" for k, name in enumerate(names, 1)]
         ids = [number] if len(names) == 1 else ids
-        identified = tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))
+        identified = tuple(replace(q, id=id, number=number) for q, id in zip(questions, ids, strict=True))
         self.sections.append(Section(number, title, identified, lines=lines))
-
-    def own_exercise(self, exercise: Exercise, *hidden: Check) -> None:
-        """Add an exercise of the author's own, from the folder public/, which the students' kit contains.
-
-        The ``hidden`` checks follow its own. They read scenes with drawn inputs.
-        """
-        self.sections.append(
-            Section(
-                exercise.number, exercise.title, own=replace(exercise, checks=(*exercise.checks, *hidden))
-            )
-        )
 
     def questions(self) -> list[Question]:
         """Return the questions of all exercises in order."""
@@ -195,18 +172,14 @@ class Notebook:
         """
         slug, cells = folder.name.replace("_", "-"), self._cells(folder)
         setup = self.setup_of(cells, self._names()) if cells else self.setup or ""
-        plays = folder / "plays.py"
         documents = {s.number: tuple(question.document for question in s.questions) for s in self.sections}
-        expanded = [
-            s.own or expand_exercise(s.number, s.title, documents[s.number], True) for s in self.sections
-        ]
-        given = {"diagnose": self.diagnose, "diagnose_function": self.diagnose_function}
+        expanded = [expand_exercise(s.number, s.title, documents[s.number], True) for s in self.sections]
         return Assignment(
             slug=slug,
             title=self.title,
             version=self.version,
             folder=folder,
-            scenes=(*self.scenes, *(scene for question in self.questions() for scene in question.scenes())),
+            scenes=tuple(scene for question in self.questions() for scene in question.scenes()),
             exercises=tuple(reported_exercises(expanded, cells, self.sections, course_words(folder))),
             published=(
                 published_cells(cells, self._names(), course_words(folder))
@@ -214,14 +187,12 @@ class Notebook:
                 else ()
             ),
             setup=setup,
-            plays=(plays.read_text(encoding="utf-8") if plays.is_file() else "")
-            + (PLAYS if self.questions() else ""),
+            plays=PLAYS if self.questions() else "",
             packages=self.packages,
             cpu_s=self.cpu_s,
             data=self.data,
             load_s=self.load_s,
-            codes=self.codes,
-            sweeps=(self.sweep,) if self.sweep else self._sweeps(),
+            sweeps=self._sweeps(),
             notebook=functools.cache(
                 lambda: publish.published(
                     slug,
@@ -235,7 +206,6 @@ class Notebook:
             source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: self._made_samples(folder),
             questions={number: asked for number, asked in documents.items() if asked},
-            **{name: function for name, function in given.items() if function is not None},
         )
 
     def setup_of(self, cells: list[Cell], names: list[str]) -> str:
@@ -267,7 +237,8 @@ class Notebook:
         from exercises.authoring.mutants.mistakes import made_samples
 
         notebook = folder / self.notebook if self.notebook else None
-        return made_samples(self._numbered(), notebook) if self.questions() else ()
+        made = made_samples(self._numbered(), notebook) if self.questions() else ()
+        return (one for one in made if not (folder / "samples" / one.name).is_file())
 
     def _variants(self, id: str) -> "list[Variant]":
         from exercises.authoring.mutants.mistakes import variants_of

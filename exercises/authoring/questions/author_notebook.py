@@ -12,11 +12,8 @@ from typing import Any
 
 from polhode.notebook.cells import DEFINITION, python_of, statements_of, without_magics
 
-# tags of cells that students must not see, and that install the kit
-SOLUTION, INSTALL = (
-    "solution",
-    "install",
-)
+# tags of cells that students must not see, that install the kit, and that only look at results
+SOLUTION, INSTALL, LOOK = "solution", "install", "look"
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _HEADING = re.compile(r"^(#{1,6})[ \t]+(.+?)[ \t#]*$", re.MULTILINE)
 _SETUP = re.compile(r"[\d.\s]*setup\W*", re.IGNORECASE)
@@ -143,11 +140,12 @@ def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
 def given_constants(cells: Sequence[Cell], names: Collection[str]) -> str:
     """Return the constants, imports and functions of given cells behind the Setup, as Python.
 
-    What needs a solution, one of the ``names``, or calls anything but a function of a module is left out.
+    What needs a solution, one of the ``names``, or calls anything but a function of a module is left out, and
+    so is what a cell with the tag "look" defines.
     """
     _, end = _setup_region(cells, names)
     unknown, taken = set(names), list[str]()
-    for cell in (cell for cell in cells[end:] if cell.kind == "code" and INSTALL not in cell.tags):
+    for cell in (c for c in cells[end:] if c.kind == "code" and not {INSTALL, LOOK} & set(c.tags)):
         is_solution = cell.is_solution(names)
         for statement in statements_of(cell.source):
             needed = statement.names.now | statement.names.later

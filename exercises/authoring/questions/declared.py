@@ -56,7 +56,10 @@ def is_numeric(value: Any, kinds: str = "fiu") -> bool:
 
 Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
 Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
-Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
+Rows = tuple[
+    Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)],
+    Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)],
+]
 Numbers = Annotated[
     Any, Rule("a finite number or an array of such numbers", lambda a: is_numeric(a, "fiubc"))
 ]
@@ -138,7 +141,9 @@ class Value:
 
     ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns
     the points times the fraction of inputs that are right, rounded down. A ``statistic`` of random numbers
-    has a wide tolerance: a mistake is recognised only if it gives the same number to rounding.
+    has a wide tolerance: a mistake is recognised only if it gives the same number to rounding. With ``check``
+    the id of its check is the exercise's number and this name. ``components`` are the names of the numbers of
+    an array.
     """
 
     tolerance: Tolerance
@@ -147,6 +152,8 @@ class Value:
     points: Points = 1
     partial: bool = False
     statistic: bool = False
+    check: str | None = None
+    components: tuple[str, ...] = ()
 
 
 Agree = (

@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene, Sweep
-from exercises.authoring.draws import JointDraw, JointlyDrawn
+from exercises.authoring.draws import JointDraw, JointlyDrawn, ListDraw
 from exercises.authoring.questions.declared import (
     ARGUMENTS,
     SHORT,
@@ -92,12 +92,16 @@ class Question:
     ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions.
     ``truth`` is called with the arguments and drawn parameters that it names. ``values`` are the returned
     values by name; a single one has the name "value". ``known`` are further exact numbers by name: constants,
-    or functions called like ``truth``. ``data`` holds what the checks of the kind need, as JSON; ``errors``
-    yields errors of what belongs to the kind. ``variables`` names what the body of ``solution``, a cell,
-    assigns: then the question asks for these variables instead of a function. ``parts`` are further public
-    scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of the
-    assignment's questions of this kind that have one, in order. ``wrong`` are the errors of arguments of a
-    wrong type, by their names.
+    or functions called like ``truth``. ``scale`` is called like ``truth``, and with its values by name: a
+    ``limit`` is relative to what it returns for each input. With ``together`` both are called once, with the
+    inputs of all rows along the first index, and so are ``terms``, which a wrong answer may have in addition,
+    by their description. ``role`` is "optional" if the exercise can be done without the function,
+    "prerequisite" if it is another exercise's. ``data`` holds what the checks of the kind need, as JSON;
+    ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of ``solution``, a
+    cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further
+    public scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of
+    the assignment's questions of this kind that have one, in order. ``wrong`` are the errors of arguments of
+    a wrong type, by their names.
     """
 
     kind: str
@@ -108,6 +112,10 @@ class Question:
     call: str | None = None
     keys: bool = False
     known: Mapping[str, Any] = field(default_factory=dict)
+    scale: Callable[..., Any] | None = None
+    together: bool = False
+    terms: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    role: str | None = None
     variables: tuple[str, ...] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: Sequence[Mistake | WrittenMistake] = ()
@@ -120,6 +128,7 @@ class Question:
     wrong: Mapping[str, Sequence[str]] = field(default_factory=dict)
     line: int = 0
     id: str = ""
+    number: str = ""
 
     @property
     def function(self) -> str:
@@ -178,7 +187,7 @@ class Question:
     @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
-        each = [self._draw_row(rng, row) for row in range(rows)]
+        each = self._listed(rng)[: rows or None] or [self._draw_row(rng, row) for row in range(rows)]
         columns = {name: [row[name] for row in each] for name in each[0]} if each else {}
         for name, column in ((name, columns[name]) for name in self.drawn if columns):
             if wrong := [value.dtype for value in column if value.dtype.kind not in ARGUMENTS]:
@@ -189,6 +198,12 @@ class Question:
                     f"{name} is drawn with shape {one} for one input and {others[0]} for another: {CONSTANT}"
                 )
         return {name: np.array(column) for name, column in columns.items()}
+
+    def _listed(self, rng: np.random.Generator) -> list[dict[str, Any]]:
+        """Return the drawn values of all inputs by a list draw, none if the question has no such draw."""
+        lists = {draw.joint for draw in self.drawn.values() if isinstance(draw, JointlyDrawn)}
+        found = next((draw.all(rng) for draw in lists if isinstance(draw, ListDraw)), [])
+        return [{name: np.asarray(value) for name, value in row.items()} for row in found]
 
     def _draw_row(self, rng: np.random.Generator, row: int) -> dict[str, Any]:
         """Return the drawn values of one input by name, and behind them what joint draws return besides."""
@@ -233,13 +248,15 @@ class Question:
             "drawn": list(self.drawn),
             "call": self.call,
             "keys": self.keys,
+            "number": self.number,
             "scenes": {
-                "public": f"{self.id}-public",
+                "public": f"{self.id}-public" if self.rows[0] or not self.drawn else None,
                 "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None,
             },
             "parts": list(self.parts),
             "returns": [self._returned(name, value) for name, value in self.values.items()],
             **({"uses": [earlier.__name__ for earlier in self.uses]} if self.uses else {}),
+            **({"role": self.role} if self.role else {}),
             **self.data,
         }
 
@@ -276,7 +293,8 @@ class Question:
                 error := alignment_error(value["up_to"], value["shape"], value["complex"])
             ):
                 raise ValueError(f"{error}, but the right solution returned shape {tuple(value['shape'])}")
-        return self.document | {"returns": shaped}
+        played = {name: part for name, part in self.document.items() if name not in ("figures", "shown")}
+        return played | {"returns": shaped}
 
     def _forms(self, row: Mapping[str, Any]) -> list[dict[str, Any]]:
         """Return shape and type of each value that the right solution returns for a row of drawn values."""
@@ -309,6 +327,9 @@ class Question:
             "up_to": value.up_to,
             **({"statistic": True} if value.statistic else {}),
             **credit,
+            **({"check": value.check} if value.check else {}),
+            **({"scaled": True} if self.scale else {}),
+            **({"components": list(value.components)} if value.components else {}),
         }
 
     def play(self, student: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
@@ -327,6 +348,8 @@ class Question:
         """
         drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []
         is_own = isinstance(self.truth, Itself) or (self.truth is None and not self.known)
+        if self.together and part is None:
+            return self._exact_together(rows) | drawn
         try:
             own = self.play(self.student, rows) if part is None and is_own else {}
             for row in asking.each_row(rows):
@@ -342,7 +365,7 @@ class Question:
                 exact = (
                     asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
                 )
-                answers.append(exact | known)
+                answers.append(exact | known | self._scales(given, exact))
         except WrongAnswer as error:
             whose = "the right solution" if is_own else "the truth"
             raise ValueError(
@@ -350,10 +373,26 @@ class Question:
             ) from error
         return {**asking.stacked(answers), **own, **drawn}
 
+    def _scales(self, given: Mapping[str, Any], exact: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the author's scale of each value."""
+        if self.scale is None:
+            return {}
+        found = call_with(self.scale, {**given, **exact})
+        return {f"{name}_scale": np.broadcast_to(found, np.shape(value)) for name, value in exact.items()}
+
+    def _exact_together(self, rows: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the exact values of all rows from one call of the truth."""
+        assert callable(self.truth)
+        (name,), given = self.values, {key: np.asarray(column) for key, column in rows.items()}
+        exact = {name: np.asarray(call_with(self.truth, given), dtype=float)}
+        added = {f"term {text}": np.asarray(call_with(term, given)) for text, term in self.terms.items()}
+        return exact | self._scales(given, exact) | added
+
     def scenes(self) -> Iterator[Scene]:
         """Yield the public scene, those of the parts, and the hidden one."""
         public, hidden = self.rows if self.drawn else (1, 0)
-        yield self.scene("public", public)
+        if public:
+            yield self.scene("public", public)
         for name, part in self.parts.items():
             yield self.scene(name, part.rows if self.drawn else 1, part)
         if hidden:

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 
-from exercises.authoring.assignments import catalogue, course_packages, validation
+from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.catalogue import find, load_catalogue
 from exercises.authoring.assignments.samples import SampleSet, load_samples, with_entries
@@ -73,9 +73,6 @@ def _verify(arguments: argparse.Namespace) -> int:
             sets.append((assignment, load_samples(assignment)))
         except InvalidAssignment as error:
             invalid.append(str(error))
-        invalid += [
-            f"assignment {assignment.slug}: {error}" for error in validation.public_errors(assignment)
-        ]
     if not arguments.source:
         packages = {name for assignment in selected for name in assignment.packages}
         invalid += course_packages.errors()

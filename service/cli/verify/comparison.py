@@ -19,8 +19,8 @@ CPU_FACTOR = 5  # a grading's limit of CPU time, in units of what the right solu
 
 @dataclass
 class Tally:
-    """Counts over the samples of an assignment, with the checks made, the checks that failed and the
-    diagnosis codes named. ``faults`` could not be graded.
+    """Counts over the samples of an assignment, with the checks made and the checks that failed. ``faults``
+    could not be graded.
 
     ``cpu_s`` is the most CPU time in seconds that grading a right sample used.
     """
@@ -31,7 +31,6 @@ class Tally:
     right: int = 0
     made: set[str] = field(default_factory=set)
     failed: set[str] = field(default_factory=set)
-    named: set[str] = field(default_factory=set)
     cpu_s: float = 0.0
 
     def add(self, graded: GradedFile, expected: bool) -> None:
@@ -43,7 +42,6 @@ class Tally:
         if graded.report:
             self.made |= {o.id for o in graded.report.outcomes()}
             self.failed |= {o.id for o in graded.report.outcomes() if o.verdict is Verdict.FAIL}
-            self.named |= codes(document(graded.report))
 
 
 def declaration_errors(assignment: Assignment, seed: int) -> list[str]:
@@ -143,9 +141,6 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
     if whole:
         yield from _warning(
             "no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed]
-        )
-        yield from _warning(
-            "no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named]
         )
         if not tally.right:
             yield "warning: no sample is all ✓"

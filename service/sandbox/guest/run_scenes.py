@@ -122,7 +122,7 @@ def _run(
             cells.run(recorder)
     except Stopped:
         return
-    student |= _adopt(plays, student, cells.shows)
+    student |= _adopt(plays, [scene["question"] for scene in job["scenes"]], student, cells.shows)
     names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
     missing = cells.missing(job["functions"])
     write.event("defined", names=names, missing=missing, claims_left_out=recorder.left_out)
@@ -282,12 +282,10 @@ def prepare(setup: types.CodeType) -> types.ModuleType:
     return module
 
 
-def _adopt(plays: Names, student: Names, shows: str) -> Names:
-    """Return functions that plays.py makes from the animation of the cell ``shows``, for those the student
-    did not write.
-    """
+def _adopt(plays: Names, questions: list[Any], student: Names, shows: str) -> Names:
+    """Return functions made from the animation of the cell ``shows``, for those the student did not write."""
     try:
-        made = plays["adopt"](student, shows) if shows and "adopt" in plays else {}
-    except Exception:  # treat a notebook that plays.py cannot handle like one without an animation
+        made = plays["adopt"](questions, student, shows) if shows and "adopt" in plays else {}
+    except Exception:  # treat a notebook that cannot be handled like one without an animation
         made = {}
     return {name: function for name, function in made.items() if not is_written(student.get(name))}

@@ -45,7 +45,7 @@ def test_it_sends_samples_prints_a_table_and_names_those_with_another_report(
     assert head.split() == ["rigid-body", "points", "seconds", "first", "cause"]
     assert re.fullmatch(r"✓  right_terms\.py +23 of 23 +\d+\.\d", right_row), right_row
     assert re.fullmatch(
-        r"✗  wrong_zeros\.py +\d+ of 23 +\d+\.\d  euler_eqs returns zeros for all arguments", wrong_row
+        r"✗  wrong_zeros\.py +\d+ of 23 +\d+\.\d  euler_eqs is zero for every input", wrong_row
     ), wrong_row
 
 

@@ -175,14 +175,14 @@ def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, ca
     course = tmp_path / "course"
     copied(course)
     folder = copied(course, "broken_one")
-    change(folder / "hidden_checks.py", "limit=1e-13", 'limit=1e-13, hidden="yes"')
+    change(folder / "assignment.py", "until=20.0", 'until=20.0, hidden="yes"')
     with known(course):
-        with pytest.raises(InvalidAssignment, match=r"hidden_checks\.py line 5: TypeError"):
+        with pytest.raises(InvalidAssignment, match="line 22: right_hand_side has no argument hidden"):
             resolve_assignment(None, [folder / "samples" / "right_terms.py"])
         with pytest.raises(NoAssignment, match="assignment broken-one"):
             resolve_assignment(None, [file("def oscillator(): ...")])
         assert main(["grade", "--assignment", "broken-one", str(file("def oscillator(): ..."))]) == 2
-        assert "polhode: assignment broken-one: hidden_checks.py line 5" in capsys.readouterr().err
+        assert "polhode: assignment broken-one: assignment.py line 22" in capsys.readouterr().err
         assert main(["assignments"]) == 2
         told = capsys.readouterr()
         assert (

@@ -36,8 +36,8 @@ def public(report):
 
 def test_where_a_function_is_right_is_withheld_with_the_hidden_points_that_show_it(rigid_body, sandbox):
     whole, shown = both(rigid_body, RIGHT_IN_ONE_ORDER, sandbox, "2")
-    assert any("right only where" in d.sentence for o in public(whole) for d in o.diagnosis), whole.text()
-    assert "right only where" not in shown.text()
+    assert any("is right for" in d.sentence for o in public(whole) for d in o.diagnosis), whole.text()
+    assert "is right for" not in shown.text()
     assert Verdict.FAIL in {o.verdict for o in public(shown)}
 
 

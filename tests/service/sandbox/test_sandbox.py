@@ -202,7 +202,7 @@ def test_neither_reference_nor_truth_can_be_imported(sandbox):
     names = [
         "reference",
         "exercises",
-        "exercises.rigid_body.scenes",
+        "exercises.rigid_body.draws",
         "service",
         "fastapi",
         "sqlalchemy",

@@ -96,7 +96,7 @@ SANDBOX = [
         "exercises/authoring/assignments/sweep.py",
         "if not np.all((calls >= 1) & (calls <= most_calls) & (calls == np.trunc(calls))):",
         "if np.any(np.isnan(calls)):",
-        ("tests/exercises/rigid_body/test_sweep.py",),
+        ("tests/exercises/rigid_body/test_assignment.py",),
     ),
     Breakage(
         "any function that is wrong is told to compute in double precision",

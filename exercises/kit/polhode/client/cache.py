@@ -2,8 +2,7 @@
 the course's own packages.
 
 A folder holds ``made.json`` (``build``, a hash of the content, and ``server``, where it comes from),
-``public.json``, ``truth.npz``, ``plays.py`` and the author's own modules if the assignment has local checks,
-``data`` and ``course``.
+``public.json``, ``truth.npz`` and ``plays.py`` if the assignment has local checks, ``data`` and ``course``.
 """
 
 import contextlib

@@ -1,13 +1,10 @@
 """The public side of an assignment, which ``polhode.check`` plays and judges."""
 
-import importlib.util
 import json
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -19,10 +16,7 @@ from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Exercise
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, exercise
-
-Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
-"""Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes.
-"""
+from polhode.kinds.values import compared
 
 
 @dataclass(frozen=True)
@@ -60,7 +54,6 @@ class PublicAssignment:
     exercises: tuple[Exercise, ...]
     scenes: Mapping[str, PublicScene]
     plays: Mapping[str, Any]
-    diagnose_own: Diagnose | None = None
 
     def names(self, scene: str) -> set[str]:
         """Return the notebook's names that a scene, and those it comes after, cannot be played without."""
@@ -70,13 +63,12 @@ class PublicAssignment:
         )
 
     def diagnose(self, scene: str, seen: Arrays) -> list[Diagnosis]:
-        """Return the likely causes behind what a scene returned: by its question's kind, else by the author's
-        own function.
-        """
+        """Return the likely causes behind what a scene returned."""
         found = self.scenes[scene]
-        if found.question is not None:
-            return diagnose(found.question, seen, found.truth) or []
-        return self.diagnose_own(scene, found.inputs, seen, found.truth) if self.diagnose_own else []
+        if found.question is None:
+            return []
+        known = diagnose(found.question, seen, found.truth)
+        return compared(found.question, seen, found.truth) if known is None else known
 
     def variables(self) -> set[str]:
         """Return the names that stand for a value, not for a function."""
@@ -132,21 +124,5 @@ def _load(folder: Path, slug: str, build: str) -> PublicAssignment:
         e["number"]: exercise(e["number"], e["title"], e["questions"], False)
         for e in declared.get("exercises", ())
     }
-    own = None
-    if (folder / "__init__.py").is_file():  # exercises of the author's own
-        module = _imported(folder, f"polhode_assignment_{folder.name}")
-        found |= {e.number: e for e in module.EXERCISES}
-        own = getattr(module, "diagnose", None)
     exercises = tuple(found[number] for number in declared["hidden"] if number in found)
-    return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays, own)
-
-
-def _imported(folder: Path, name: str) -> ModuleType:
-    """Import the package in ``folder`` under a ``name`` of its own, again if it has changed."""
-    for former in [known for known in sys.modules if known.partition(".")[0] == name]:
-        del sys.modules[former]
-    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py")
-    assert spec is not None and spec.loader is not None
-    module = sys.modules[name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays)

@@ -5,8 +5,9 @@ A question is a JSON document that an author's declaration produces: its ``kind`
 its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
 each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
 public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student,
-row)`` returns the arrays of one row, and ``part_checks(question, scene)`` its checks. The sandbox, the server
-and ``polhode.check`` use the same functions.
+row)`` returns the arrays of one row, and ``part_checks(question, scene)`` its checks. Parts of a question
+with a ``points_scene`` are motions (``motions``), which checks of several exercises may read. The sandbox,
+the server and ``polhode.check`` use the same functions.
 """
 
 from collections.abc import Iterable, Mapping
@@ -20,9 +21,10 @@ from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
-from polhode.kinds import animation, expression, fit, ode, random, stepper, values, variables
+from polhode.kinds import animation, expression, fit, motions, ode, random, stepper, values, variables
+from polhode.kinds.animation import adopted
 from polhode.kinds.asking import each
-from polhode.kinds.values import agreement, to_rounding
+from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 
 KINDS: Mapping[str, ModuleType] = {
     "animation": animation,
@@ -47,6 +49,8 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     WrongAnswer.
     """
     module, part = kind_module(question), question.get("part")
+    if part and "points_scene" in question:
+        return motions.play(question, student, rows)
     answers: dict[str, Any] = (
         each(rows, lambda row: module.PARTS[part](question, student, row))
         if part
@@ -55,13 +59,30 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     return answers
 
 
+def adopt(
+    questions: Iterable[Mapping[str, Any] | None], student: Mapping[str, Any], source: str
+) -> dict[str, Any]:
+    """Return functions that stand for the animation that the cell ``source`` shows, for the questions that
+    accept one.
+    """
+    names = {
+        q["function"]: None
+        for q in questions
+        if q and q["kind"] == "animation" and (q["body"] or {}).get("L")
+    }
+    return {
+        name: made for function in names for name, made in adopted.adopt(function, student, source).items()
+    }
+
+
 def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> list[Check]:
     """Return the checks of a question for one of its scenes."""
-    asked, module = {**question, "id": f"{question['id']}-new"} if hidden else question, kind_module(question)
+    module, again = kind_module(question), hidden and question["scenes"]["public"] is not None
+    asked = {**question, "id": f"{question['id']}-new"} if again else question
     found: list[Check] = (
         module.part_checks(asked, scene)
         if question.get("part")
-        else module.checks(asked, scene, NEW_INPUTS if hidden else "")
+        else module.checks(asked, scene, NEW_INPUTS if again else "")
     )
     return found
 
@@ -73,14 +94,21 @@ def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[D
     return _if_defined("diagnose", question, seen, truth)
 
 
-def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
+def reproduces(
+    question: Mapping[str, Any], seen: Arrays, predicted: Arrays, truth: Arrays | None = None
+) -> bool:
     """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, statistics of
     random numbers to rounding, others exactly.
+
+    ``truth`` holds the scales of values that have their own.
     """
     values = {value["name"]: to_rounding(value) for value in question["returns"]}
     return all(
         (
-            agreement(values[name], seen[name], array).verdict is Verdict.PASS
+            agreement(
+                values[name], *finite_alike(seen[name], array), own_scale(values[name], array, truth or {})
+            ).verdict
+            is Verdict.PASS
             if name in values
             else np.array_equal(seen[name], array)
         )
@@ -98,24 +126,33 @@ def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hi
     """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if
     ``hidden``.
     """
-    asked = list(questions)
-    scenes = []
+    asked, checks = list(questions), list[Check]()
     for q in asked:
-        parts = [({**q, "part": part}, f"{q['id']}-{part}", False) for part in q.get("parts", ())]
-        scenes += [(q, q["scenes"]["public"], False), *parts]
-    scenes += [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
-    checks = [
-        check
-        for question, scene, is_hidden in scenes
-        if scene
-        for check in question_checks(question, scene, is_hidden)
-    ]
+        parts = [({**q, "part": part}, f"{q['id']}-{part}") for part in q.get("parts", ())]
+        for question, scene in [(q, q["scenes"]["public"]), *parts]:
+            checks += question_checks(question, scene, False) if scene else []
+        checks += motions.checks(q, along=hidden) if "motions" in q else []
+    for q in asked if hidden else ():
+        checks += question_checks(q, q["scenes"]["hidden"], True) if q["scenes"]["hidden"] else []
+        checks += motions.hidden_checks(q) if "motions" in q else []
     points = {id: given for q in asked for id, given in q.get("points", {}).items()}
     checks = [replace(check, points=points.get(check.id, check.points)) for check in checks]
-    figures = [figure for q in asked for figure in _if_defined("figures", q) or ()]
+    figures = [f for q in asked for f in [*(_if_defined("figures", q) or ()), *motions.figures(q)]]
     sheets = [sheet for q in asked for sheet in _if_defined("animations", q) or ()]
-    names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])
-    variables = tuple(dict.fromkeys(name for q in asked for name in q["variables"]))
+
+    def names(role: str | None) -> tuple[str, ...]:
+        own = [q["variables"] or [q["function"]] for q in asked if q.get("role") == role]
+        return tuple(dict.fromkeys(name for each in own for name in each))
+
     return Exercise(
-        number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables
+        number,
+        title,
+        names(None),
+        tuple(checks),
+        tuple(figures),
+        tuple(sheets),
+        optional=names("optional"),
+        motions=tuple(player for q in asked for player in motions.players(q)),
+        variables=tuple(dict.fromkeys(name for q in asked for name in q["variables"])),
+        prerequisites=names("prerequisite"),
     )

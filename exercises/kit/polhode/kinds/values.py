@@ -11,10 +11,10 @@ import numpy as np
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check, Locate, below
 from polhode.judging.judge import Judgement, RowsRight, Verdict
-from polhode.judging.outcome import Tolerance
+from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import Kept
 from polhode.kinds.alignment import aligned
-from polhode.kinds.asking import Counted, arguments, call, describe, each, returned
+from polhode.kinds.asking import Counted, NotFinite, arguments, call, describe, each, returned
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
@@ -22,12 +22,18 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     the most calls of one of its function arguments.
     """
 
-    kept = Kept(question["function"])
+    kept, asked = Kept(question["function"]), list[bool]()
 
     def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         given = arguments(question, row)
-        kept.replace(whole := call(question, student, given))
-        found = returned(question, whole, alone=True)
+        kept.replace(whole := call(question, student, given, first=not asked))
+        asked.append(True)
+        try:
+            found = returned(question, whole, alone=True)
+        except NotFinite as error:  # at one of many points: the check says so, and motions are integrated
+            if "points_scene" not in question:
+                raise
+            found = {question["returns"][0]["name"]: error.numbers}
         calls = [value.calls for value in given.values() if isinstance(value, Counted)]
         return found | ({"calls": float(max(calls))} if calls else {})
 
@@ -65,11 +71,14 @@ def value_check(
         return credited(value, lambda given: agreement(value, given, want, unit), got, want)
 
     def describe_row(index: tuple[int, ...], seen: Arrays) -> str:
-        return describe(question, seen, index[0])
+        at = value["components"][index[1]] if value.get("components") and len(index) > 1 else ""
+        return ", ".join(filter(None, (at, describe(question, seen, index[0]))))
 
-    name = value["name"]
+    name, own = value["name"], value.get("check")
+    if value.get("scaled"):
+        scale = _own_scale(name)
     return Check(
-        f"{question['id']}-{name}",
+        f"{question['number']}-{own}" if own else f"{question['id']}-{name}",
         value["label"] + suffix,
         (scene,),
         word,
@@ -78,6 +87,11 @@ def value_check(
         points=value.get("points", 1),
         arrays=(name,),
     )
+
+
+def _own_scale(name: str) -> Callable[[Arrays], Any]:
+    """Return the function of the truth that is the author's scale of a value."""
+    return lambda truth: truth[f"{name}_scale"]
 
 
 def credited(
@@ -95,6 +109,53 @@ def credited(
         alone[k] = got[k]
         right += compared(alone).verdict is Verdict.PASS
     return replace(whole, partial=RowsRight(right, len(want)))
+
+
+def compared(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
+    """Return the causes that follow from comparing an answer with the exact one: zeros, and opposite signs of
+    all or of some numbers. The server reports more.
+    """
+    name, (value, *others) = question["function"], question["returns"]
+    got, want = np.asarray(seen[value["name"]]), np.asarray(truth[value["name"]])
+    if others or not value.get("scaled") or got.ndim != 2 or got.shape != want.shape:
+        return []
+    scale = truth[f"{value['name']}_scale"]
+
+    def same(one: Any, other: Any, unit: Any) -> bool:
+        return agreement(value, one, other, unit).verdict is Verdict.PASS
+
+    if not np.all(np.isfinite(got)) or same(got, want, scale):
+        return []
+    if not got.any():
+        return [Diagnosis("returns-zero", f"{name} is zero for every input", 1.0)]
+    if same(got, -want, scale):
+        return [Diagnosis("sign-reversed", f"{name} has the opposite sign", 1.0)]
+    labels = value.get("components") or [f"component {k + 1}" for k in range(got.shape[1])]
+    return [
+        Diagnosis("sign-flipped", f"{label} of {name} has the opposite sign", 1.0, component=k)
+        for k, label in enumerate(labels)
+        if not same(got[:, k], want[:, k], scale[:, k]) and same(got[:, k], -want[:, k], scale[:, k])
+    ]
+
+
+def own_scale(value: Mapping[str, Any], want: Any, truth: Arrays) -> Any:
+    """Return the scale of a value that has its own, for numbers ``want`` that need not be the exact ones:
+    rounding errors are those of the larger numbers. None if it has none.
+    """
+    scale = truth.get(f"{value['name']}_scale")
+    if scale is None or np.shape(scale) != np.shape(want):
+        return None
+    with np.errstate(invalid="ignore"):
+        sizes = np.abs(np.nan_to_num(want)).reshape(len(want), -1).max(axis=1)
+    return np.maximum(scale, sizes.reshape(-1, *[1] * (np.ndim(want) - 1)))
+
+
+def finite_alike(got: Any, want: Any) -> tuple[Any, Any]:
+    """Return both arrays with zeros where neither is finite: there a wrong formula predicts the answer."""
+    if np.shape(got) != np.shape(want) or np.all(np.isfinite(want)):
+        return got, want
+    neither = ~np.isfinite(got) & ~np.isfinite(want)
+    return np.where(neither, 0.0, got), np.where(neither, 0.0, want)
 
 
 def to_rounding(value: Mapping[str, Any]) -> Mapping[str, Any]:

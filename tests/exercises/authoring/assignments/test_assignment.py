@@ -41,9 +41,9 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body):
     )
     told = "; ".join(validation.errors(declared))
     for part in (
-        "scene tumble-film is declared twice",
+        "scene film is declared twice",
         "check id 2-energy is used twice",
-        "plays.py has no function tensors",
+        "plays.py has no function play",
         "no scene nowhere",
         "has no reason",
         "finite number",

@@ -49,37 +49,32 @@ def test_one_assignment_is_found_without_loading_the_others():
 
 
 def spoiled(folder):
-    change(folder / "scenes.py", '"rates"', '"ratse"')
-    change(folder / "public" / "__init__.py", '"1-motion"', '"1-energy"')
-    change(folder / "public" / "__init__.py", '"damped",\n', '"dampened",\n')
-    change(folder / "hidden_checks.py", "limit=1e-13", "limit=-1.0")
+    change(folder / "assignment.py", "relative(1e-12", "relative(-1e-12")
+    change(folder / "assignment.py", "until=20.0", "until=-20.0")
+    change(folder / "assignment.py", '@notebook.exercise("1"', '@notebook.exercise("one"')
 
 
 def incomplete(folder):
-    (folder / "plays.py").unlink()
+    (folder / "notebook.ipynb").unlink()
+
+
+def unreadable(folder):
     (folder / "causes.py").write_text("x = 1\ndef f(:\n")
     (folder / "truth.py").write_bytes(b"x = 1\0")
 
 
 def raising(folder):
-    change(folder / "scenes.py", "PROBES = 32", "PROBES = 32 / 0")
+    change(folder / "assignment.py", "notebook = ", "TIMES = 32 / 0\nnotebook = ")
 
 
 BROKEN = [
+    (spoiled, ["one", "-20", "a tolerance must be a finite number"]),
+    (incomplete, ["notebook.ipynb"]),
+    (unreadable, ["causes.py line 2: invalid syntax", "truth.py"]),
+    (raising, ["assignment.py line 7: ZeroDivisionError: division by zero"]),
     (
-        spoiled,
-        [
-            "check id 1-energy is used twice",
-            "no scene dampened",
-            "a tolerance must be a finite number",
-            "scene probes: plays.py has no function ratse",
-        ],
-    ),
-    (incomplete, ["causes.py line 2: invalid syntax", "truth.py"]),
-    (raising, ["scenes.py line 15: ZeroDivisionError: division by zero"]),
-    (
-        lambda folder: change(folder / "causes.py", "import numpy as np", "import nunpy as np"),
-        ["causes.py line 7", "nunpy"],
+        lambda folder: change(folder / "assignment.py", "import numpy as np", "import nunpy as np"),
+        ["assignment.py line 3", "nunpy"],
     ),
     (
         lambda folder: (folder / "assignment.py").write_text("notebook = 'x'"),

@@ -16,7 +16,7 @@ def forged(*args):
 
 def plays():
     frame = sys._getframe(1)
-    while frame.f_globals["__name__"] != "plays":
+    while frame.f_globals["__name__"] != "polhode.kinds.animation":
         frame = frame.f_back
     return frame.f_globals
 
@@ -51,23 +51,16 @@ INSIDE = {
     "code": ("recorder()['watch'].__code__ = forged.__code__", "watch"),
     "a helper": ("recorder()['_tracks'] = forged", "_tracks"),
     "numpy of the recorder": ("plays()['np'].stack = forged", "stack"),
-    "defaults": ("plays()['integrate'].__defaults__ = (1e-3, 1e-3)", "integrate"),
+    "defaults": ("plays()['record'].__defaults__ = (forged, 1e9)", "record"),
     "a method": ("plays()['FromCell'].__call__ = forged", "__call__"),
 }
 BEFORE = {
-    "through gc": (
-        (
-            "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in"
-            " gc.get_objects() if isinstance(d, dict) and d.get('__name__') == 'plays' and 'record' in d]"
-        ),
-        "watch",
-    ),
     "the table of calls": (
         (
-            "[d.update(animation=forged) for d in gc.get_objects() if isinstance(d, dict) and"
+            "[d.update(play=forged) for d in gc.get_objects() if isinstance(d, dict) and"
             " d.get('__name__') == 'plays']"
         ),
-        "animation",
+        "play",
     ),
 }
 
@@ -93,6 +86,15 @@ def test_what_a_cell_replaces(replace, name, rigid_body, sandbox):
     assert (
         end.ended is Ended.WRONG_ANSWER and not recorded and f"your code replaces {name}," in end.sentence
     ), end
+
+
+def test_the_recorder_that_gc_finds_is_not_the_one_that_is_used(rigid_body, sandbox):
+    replace = (
+        "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in gc.get_objects()"
+        " if isinstance(d, dict) and d.get('__name__') == 'polhode.kinds.animation' and 'record' in d]"
+    )
+    end, recorded = film(FUNCTION.replace("REPLACE", "pass") + replace, rigid_body, sandbox)
+    assert end.ended is Ended.FINISHED and recorded, end
 
 
 def test_functions_of_the_copies_are_not_among_the_objects_of_gc(rigid_body, sandbox):

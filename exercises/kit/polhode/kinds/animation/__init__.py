@@ -3,6 +3,10 @@
 The trajectories are arguments of the student's function: arrays (n, 2) or (n, 3), at times (n,). Each must be
 the path of something drawn, such as a marker, the end of a line or the centre of a circle, in 2-D or 3-D
 axes. All of them share one scale and one origin in their axes; the frames show the whole motion evenly.
+
+Instead of trajectories a question may have a ``body``: the names of the arguments R, an attitude (n, 3, 3),
+and L, the angular momentum, or half, the half edges of a box, and the number of the body ``axis`` to draw.
+Then ``polhode.kinds.animation.body`` compares.
 """
 
 from collections.abc import Mapping
@@ -17,6 +21,8 @@ from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Animation
 from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Diagnosis, Tolerance
+from polhode.judging.return_value import check_signature
+from polhode.kinds.animation.adopted import NOT_OWN, FromCell
 from polhode.kinds.asking import arguments, call, each_row
 
 SMALL = 0.0  # share of the pixels that must change: a point may be as small as one of them
@@ -27,7 +33,12 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     row.
     """
     given = arguments(question, next(each_row(rows), {}))
-    return record(lambda: call(question, student, given), question["seconds"])
+    if not question["body"]:
+        return record(lambda: call(question, student, given), question["seconds"])
+    function = student[question["function"]]
+    check_signature(function, tuple(given), question["function"])
+    own = function.own if isinstance(function, FromCell) else NOT_OWN
+    return {**record(lambda: function(*given.values()), question["seconds"]), **own}
 
 
 def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
@@ -35,6 +46,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     from polhode.kinds.animation.shown import moves
 
     id, function = question["id"], question["function"]
+    if question["body"]:
+        return _of_body(question, scene)
     found = [moves(f"{id}-moves", f"{function} draws a moving picture{suffix}", scene, SMALL)]
     return found + [_follows(question, name, scene, f"{id}-{name}", suffix) for name in question["follow"]]
 
@@ -42,8 +55,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
 def animations(question: Mapping[str, Any]) -> list[Animation]:
     """Return the contact sheet of the student's animation."""
     alt = "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames."
-    scene = question["scenes"]["public"]
-    return [Animation(scene, f"Your animation by {question['function']}", alt, scene)]
+    scene, title = question["scenes"]["public"], question["title"] or f"by {question['function']}"
+    return [Animation(question["sheet"] or scene, f"Your animation {title}", alt, scene)]
 
 
 def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
@@ -52,10 +65,49 @@ def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[D
     """
     from polhode.kinds.animation.shown import standstill
 
+    if question["body"]:
+        from polhode.kinds.animation.body import diagnose
+
+        return diagnose(seen, _body(question, truth))
     if sentence := standstill(seen, SMALL):
         return [Diagnosis("static", sentence, 1.0)]
     wrong = [shown for shown in _followed(question, seen, truth).values() if not shown.found and shown.code]
     return [Diagnosis(wrong[0].code, wrong[0].sentence, 1.0)] if wrong and wrong[0].code else []
+
+
+def _of_body(question: Mapping[str, Any], scene: str) -> list[Check]:
+    """Return the checks that the picture moves, that something drawn follows the body, and that what is drawn
+    along L stays.
+    """
+    from polhode.kinds.animation.body import follows, keeps_momentum
+    from polhode.kinds.animation.body.motion import NAMES
+    from polhode.kinds.animation.shown import moves
+
+    id, function, axis = question["number"], question["function"], question["body"]["axis"]
+    what = "the body" if axis is None else f"the body axis {NAMES[axis]}(t)"
+    found = [
+        moves(f"{id}-moves", f"{function} draws a moving picture", scene),
+        follows(
+            f"{id}-follows",
+            f"{function} draws something that follows {what}",
+            scene,
+            lambda truth: _body(question, truth),
+        ),
+    ]
+    if question["body"]["L"]:
+        label = f"what {function} draws along L stays fixed"
+        found.append(
+            keeps_momentum(f"{id}-drawn-momentum", label, scene, lambda truth: _body(question, truth))
+        )
+    return found
+
+
+def _body(question: Mapping[str, Any], truth: Arrays) -> Any:
+    from polhode.kinds.animation.body.motion import Body
+
+    body = question["body"]
+    L, half = (np.asarray(truth[body[name]]) if body[name] else None for name in ("L", "half"))
+    return Body(truth[question["time"]], np.asarray(truth[body["R"]]), body["axis"], L, half)
 
 
 def _followed(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> dict[str, Any]:

@@ -91,7 +91,7 @@ def test_the_message_without_an_assignment_says_what_to_call(student):
 def test_checks_that_do_not_fit_the_kit_say_so(student):
     kit = student(*SLUGS)
     home = kit.parent / "cache" / "polhode" / "assignments" / "damped_oscillator"
-    (home / "__init__.py").write_text("from polhode.judging.checks import earlier\n")
+    (home / "plays.py").write_text("from polhode.judging.checks import earlier\n")
     broken, other = kernel(
         kit, 'polhode.check(assignment="damped-oscillator")', 'polhode.check("2", assignment="rigid-body")'
     )

@@ -230,9 +230,9 @@ def test_what_stops_the_code_is_told_with_its_own_line(shown):
 
 
 def test_a_cause_that_follows_from_the_numbers_is_named_here_too(shown):
-    sentence = "1. all three components have the opposite sign: the motion runs backwards in time\n"
+    sentence = "1. euler_eqs has the opposite sign\n"
     assert sentence in shown["reversed"]["text"] and sentence not in shown["zeros"]["text"]
-    assert "1. ω̇₃ has the opposite sign\n" in shown["sign"]["text"]
+    assert "1. ω̇₃ of euler_eqs has the opposite sign\n" in shown["sign"]["text"]
     assert "returns-zero" in shown["zeros"]["text"] and "likely" not in shown["right"]["text"]
 
 

@@ -7,9 +7,9 @@ import pytest
 
 import reference
 from exercises.authoring.assignments.catalogue import find
-from exercises.rigid_body import plays, probes
-from exercises.rigid_body.draws import DRAWN
+from exercises.authoring.kinds.motions import ALONG
 from polhode.judging.judge import Verdict
+from polhode.kinds import play
 from service.grading.jobs import draw_inputs, truth
 
 FORMULAS = {
@@ -43,20 +43,37 @@ def drawn(seed):
     return inputs, truth(scene, inputs)
 
 
+def pointwise(function, inputs):
+    """Return the values of a function at the points."""
+    given = {name: inputs[name] for name in ("t", "w", "I")}
+    return play(find("rigid-body").scene("probes").question, {"euler_eqs": function}, given)
+
+
+def trajectory(function, inputs):
+    """Return the motion that a function drives."""
+    return play(find("rigid-body").scene("torque-free").question, {"euler_eqs": function}, inputs)
+
+
+def scale(w, I):
+    """Return the largest product Iω² over each moment (3,)."""
+    return np.maximum(I.max() * np.abs(w).max() ** 2 / I, 1e-20)
+
+
 def judged(rigid_body, function, name, seed):
     """Return the outcome of the check of a drawn motion."""
     inputs, exact = drawn(seed)
     with np.errstate(all="ignore"):
-        seen = plays.pointwise({"euler_eqs": function}, inputs)
+        seen = pointwise(function, inputs)
     (check,) = (check for check in rigid_body.checks() if check.id == CHECKS[name])
     return check.judge([seen], [exact])
 
 
 def test_each_drawn_motion_has_a_check():
-    assert CHECKS.keys() == DRAWN.keys()
+    fixed = {scene.name for scene in find("rigid-body").scenes}
+    assert CHECKS.keys() == drawn(0)[0]["motions"].keys() - fixed
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", CHECKS)
 @pytest.mark.parametrize("formula", FORMULAS.values(), ids=FORMULAS.keys())
 def test_a_right_function_is_well_within_what_is_allowed(name, formula, rigid_body):
     for seed in range(3):
@@ -65,25 +82,30 @@ def test_a_right_function_is_well_within_what_is_allowed(name, formula, rigid_bo
             outcome.text()
         )
         assert outcome.tolerance.limit and "sensitivity" in outcome.tolerance.reason
-        assert f"by euler_eqs at {probes.ALONG} points along the exact motion" in outcome.detail
+        assert f"by euler_eqs at {ALONG} points along the exact motion" in outcome.detail
+
+
+def of(motion):
+    """Return ω(0) and the moments of a motion."""
+    return motion.start["w"], motion.start["I"]
 
 
 def wrong_near(motion, start, end, error):
     """Return a function that is wrong by ``error``, relative to the largest product, on the motion between
     two shares of its time and right a little off it.
     """
-    path = reference.motion(motion.w0, motion.I, np.linspace(start, end, 4000) * motion.t_end).w.T
+    path = reference.motion(*of(motion), np.linspace(start, end, 4000) * motion.until).w.T
     near = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
 
     def euler_eqs(t, w, I):
         is_near = np.linalg.norm(path - w, axis=1).min() <= near
-        size = probes.scale(w[None], np.asarray(I)[None])[0]
+        size = scale(w, np.asarray(I))
         return reference.euler_rhs(w, I) + (error * size if is_near else 0.0)
 
     return euler_eqs
 
 
-@pytest.mark.parametrize("name", [name for name in DRAWN if name != "sphere"])  # whose ω is constant
+@pytest.mark.parametrize("name", [name for name in CHECKS if name != "sphere"])  # whose ω is constant
 @pytest.mark.parametrize("error", [1.0, 1e-4])
 def test_a_function_that_is_wrong_on_a_stretch_of_the_motion_fails(name, error, rigid_body):
     rng = np.random.default_rng(6)
@@ -94,22 +116,21 @@ def test_a_function_that_is_wrong_on_a_stretch_of_the_motion_fails(name, error, 
         assert judged(rigid_body, wrong, name, seed).verdict is Verdict.FAIL
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", CHECKS)
 @pytest.mark.parametrize("error", [1e-15, 1e-13, 1e-12, 1e-10])
 def test_the_error_of_an_integrated_motion_is_within_its_bound(name, error, rigid_body):
     """The rates are off everywhere in one direction, the worst for the motion."""
     motion = drawn(3)[0]["motions"][name]
 
     def euler_eqs(t, w, I):
-        return reference.euler_rhs(w, I) + error * probes.scale(w[None], I[None])[0] * 0.99
+        return reference.euler_rhs(w, I) + error * scale(w, I) * 0.99
 
     bound = judged(rigid_body, euler_eqs, name, 3).measured
-    inputs = {**motion._asdict(), "n": SAMPLES}
-    seen = plays.trajectory({"euler_eqs": euler_eqs}, inputs)
-    need = "orientation" if motion.orientation else "omega"
-    exact = reference.motion(motion.w0, motion.I, np.linspace(0.0, motion.t_end, SAMPLES), need=need)
-    off = np.abs(seen["w"] - exact.w).max() / np.linalg.norm(motion.w0)
-    if motion.orientation:
+    seen = trajectory(euler_eqs, {**motion.inputs, "samples": SAMPLES})
+    need = "orientation" if motion.attitude else "omega"
+    exact = reference.motion(*of(motion), np.linspace(0.0, motion.until, SAMPLES), need=need)
+    off = np.abs(seen["w"] - exact.w).max() / np.linalg.norm(motion.start["w"])
+    if motion.attitude:
         off = max(off, np.abs(seen["R"] - exact.R).max())
     assert off <= bound + 1e-9
 
@@ -141,9 +162,25 @@ def test_a_right_integration_of_a_function_that_is_wrong_along_the_motion_fails(
     _, exact = drawn(1)
     scene = rigid_body.scene("torque-free")
     moved = truth(scene, scene.inputs)
-    right = plays.trajectory({"euler_eqs": FORMULAS["cross"]}, scene.inputs) | {"t": moved["t"]}
+    right = trajectory(FORMULAS["cross"], scene.inputs) | {"t": moved["t"]}
     for factor, verdict in ((1.0, Verdict.PASS), (1.0 + 1e-6, Verdict.FAIL)):
         seen = {"wdot": factor * exact["wdot"]}
         outcome = check.judge([right, seen], [moved, exact])
         assert outcome.verdict is verdict, outcome.text()
     assert "by euler_eqs at 10 points along the exact motion" in outcome.detail
+
+
+@pytest.mark.parametrize("spelling", FORMULAS)
+@pytest.mark.parametrize("name", ["torque-free", "spin-mid", "precession"])
+def test_a_right_function_is_well_within_what_an_integrated_motion_allows(name, spelling, rigid_body):
+    scene = rigid_body.scene(name)
+    points, exact_along = drawn(1)
+    along = pointwise(FORMULAS[spelling], points)
+    exact = truth(scene, scene.inputs)
+    seen = {**trajectory(FORMULAS[spelling], scene.inputs), "t": exact["t"]}
+    checks = [c for e in rigid_body.exercises for c in e.checks if c.scenes == (name, "probes")]
+    assert checks
+    for check in checks:
+        outcome = check.judge([seen, along], [exact, exact_along])
+        assert (outcome.verdict is Verdict.PASS and outcome.margin is None) or outcome.margin > 3, check.id
+        assert outcome.tolerance.limit and "sensitivity" in outcome.tolerance.reason

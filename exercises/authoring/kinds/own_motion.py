@@ -2,12 +2,13 @@
 verified.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 import reference
-from exercises.authoring.assignments.assignment import Inputs
-from exercises.rigid_body.public.quantities import SYMMETRIC, Array
 from polhode.judging.checks import Arrays
+from polhode.judging.integration import Array
 
 # largest difference of an element of R: below a drawing's tolerance, above any integrator's default tolerance
 CLOSE = 0.02
@@ -18,12 +19,14 @@ AS_FUNCTION = (
 )
 
 
-def own_motion(inputs: Inputs, seen: Arrays) -> Inputs | str | None:
-    """Return ``inputs`` with the exact t, R and L of a symmetric top behind the notebook's R (n, 3, 3) at
-    times t (n,).
+def own_motion(
+    seen: Arrays, moments: Sequence[float], names: Mapping[str, str]
+) -> dict[str, Array] | str | None:
+    """Return the exact t, R and L, by their ``names`` as arguments, of a symmetric top behind the notebook's
+    R (n, 3, 3) at times t (n,).
 
-    R(0) and ω(0) are free; the moments are among the notebook's numbers, or the course's. Returns None if a
-    function was submitted, and a sentence if the notebook's R is not such a motion.
+    R(0) and ω(0) are free; the moments (3,) are among the notebook's numbers, or the course's. Returns None
+    if a function was submitted, and a sentence if the notebook's R is not such a motion.
     """
     R, t = np.asarray(seen["own_R"]), np.asarray(seen["own_t"])[:, 0]
     if len(R) == 1:
@@ -39,14 +42,14 @@ def own_motion(inputs: Inputs, seen: Arrays) -> Inputs | str | None:
         return AS_FUNCTION
     if not MOST_ANGLE**-2 < t[-1] - t[0] < MOST_ANGLE**2:
         return AS_FUNCTION
-    relative = R[0].T @ R
-    for I in filter(_possible, (*np.asarray(seen["own_I"]), np.array(SYMMETRIC))):
+    relative, known = R[0].T @ R, [np.array(moments)] if len(moments) else []
+    for I in filter(_possible, (*np.asarray(seen["own_I"]), *known)):
         w0 = _first_rate(relative, t, I)
         if not 0 < np.linalg.norm(w0) * (t[-1] - t[0]) < MOST_ANGLE:
             continue
         exact = reference.motion(w0, I, t - t[0], need="orientation").R
         if exact is not None and np.abs(exact - relative).max() <= CLOSE:
-            return {**inputs, "t": t, "R": R[0] @ exact, "L": R[0] @ (I * w0)}
+            return {names["t"]: t, names["R"]: R[0] @ exact, names["L"]: R[0] @ (I * w0)}
     return AS_FUNCTION
 
 

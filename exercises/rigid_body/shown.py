@@ -1,44 +1,125 @@
-"""Figures of the student's data and the exact motion, after Figs. 145–150 of notebook 2.6.
+"""What checks measure and figures draw, which students get too: it imports only numpy and the kit.
 
-The server draws a figure when it is first requested; a notebook draws it when the report is displayed.
+The bodies and spins of notebook 2.6 are in SI units. Sums are written element by element: the last bits of
+einsum depend on an array's place in memory, and a student's kernel must print the same digits as the server.
+The figures show the student's data and the exact motion, after Figs. 145–150 of the notebook.
 """
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from polhode.judging.checks import Arrays
-from polhode.judging.exercise import Figure
+from polhode.judging.integration import Array
+from polhode.kinds.motions import as_closely
 from polhode.report.figure_parts import FACE_COLORS, arrow, box_polys, cube_axes, legend_above
-
-from .quantities import (
-    BODY,
-    NUDGE,
-    SPIN,
-    SYMMETRIC,
-    SYMMETRIC_RATE,
-    as_closely,
-    kinetic_energy,
-    momentum_norm,
-    space_momentum,
-    transverse,
-    turning_rate,
-)
-from .quantities import BOX as BOX_NUMBERS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
+
+BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
+SPIN = 6.0  # rad/s about each axis of the book in turn
+SPIN_TIME = 2.5  # s
+NUDGE = 0.02  # both other components, as a fraction of the spin
+BODY = (2.0, 3.0, 4.0)  # moments of exercises 2 and 3
+TORQUE_FREE = (1.0, 0.6, 0.8)  # and their spin: T = 2.82 J, |L| = 4.180909 kg m²/s
+SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
+SYMMETRIC_RATE = 1.8  # rad/s, (I₃ − I₁)/I₁ · ω₃ with ω₃ = 3
+
+
+def kinetic_energy(w: Array, I: ArrayLike) -> Array:
+    """Return T = ½ Σ Iᵢ ωᵢ² in J (...) of ``w`` (3, ...) in rad/s and ``I`` (3,) in kg m²."""
+    i1, i2, i3 = np.asarray(I, dtype=float)
+    return np.asarray(0.5 * (i1 * w[0] ** 2 + i2 * w[1] ** 2 + i3 * w[2] ** 2))
+
+
+def momentum_norm(w: Array, I: ArrayLike) -> Array:
+    """Return |L| in kg m²/s (...) of ``w`` (3, ...) and ``I`` (3,)."""
+    return np.asarray(np.linalg.norm(_momentum(w, I), axis=0))
+
+
+def energy_of_the_top(w: Array) -> Array:
+    """Return T of the torque-free motion in J (...)."""
+    return kinetic_energy(w, BODY)
+
+
+def momentum_of_the_top(w: Array) -> Array:
+    """Return |L| of the torque-free motion in kg m²/s (...)."""
+    return momentum_norm(w, BODY)
+
+
+def space_momentum(R: Array, w: Array, I: ArrayLike) -> Array:
+    """Return L in *space* components (n, 3), in kg m²/s, of ``R`` (n, 3, 3), ``w`` (3, n) and ``I`` (3,)."""
+    return np.asarray((R * _momentum(w, I).T[:, None, :]).sum(axis=2))
+
+
+def orthonormality_error(R: Array) -> Array:
+    """Return max |RᵀR − 1| of each attitude (n,)."""
+    gram = (R[:, :, :, None] * R[:, :, None, :]).sum(axis=1)
+    return np.asarray(np.abs(gram - np.eye(3)).max(axis=(1, 2)))
+
+
+def turning_rate(t: Array, w: Array, exact_w: Array) -> float:
+    """Return the mean rate in rad/s at which (ω₁, ω₂) turns: the known one of the exact ω (3, n), and what
+    ``w`` gains on it.
+    """
+    ahead = (w[0] + 1j * w[1]) * (exact_w[0] - 1j * exact_w[1])
+    return SYMMETRIC_RATE + float(np.polyfit(t, np.unwrap(np.angle(ahead)), 1)[0])
+
+
+def variation(w: Array) -> float:
+    """Return by how much ω₃ varies, in rad/s."""
+    return float(np.ptp(w[2]))
+
+
+def transverse(w: Array, axis: int, spin: float) -> Array:
+    """Return the transverse |ω| (n,) over ``spin``, for a spin started about body axis ``axis`` (0, 1, 2)."""
+    return np.asarray(np.hypot(*np.delete(w, axis, axis=0)) / spin)
+
+
+def growth(w: list[Array]) -> Array:
+    """Return the largest transverse |ω| over the spin, of spins about the three axes in turn."""
+    return np.array([transverse(one, axis, SPIN).max() for axis, one in enumerate(w)])
+
+
+def is_stable_about_the_extreme_axes(w: list[Array]) -> tuple[bool, str]:
+    """Return whether the growth about the first and last axis is under 5 times the nudge, and about the
+    middle one over 50 times; and the text for the brackets.
+    """
+    low, mid, high = growth(w)
+    steady = 5 * NUDGE
+    return (
+        bool(low < steady and mid > 10 * steady and high < steady),
+        f"growth: min {low:.3f}, mid {mid:.3f}, max {high:.3f}",
+    )
+
+
+def skewness(R: Array) -> float:
+    """Return the largest |RᵀR − 1| of a motion."""
+    return float(orthonormality_error(R).max())
+
+
+def wander(R: Array, w: Array, I: ArrayLike) -> Array:
+    """Return by how much each component of L in space varies, in kg m²/s."""
+    return np.asarray(np.ptp(space_momentum(R, w, I), axis=0))
+
+
+def _momentum(w: Array, I: ArrayLike) -> Array:
+    return np.asarray((np.asarray(I, dtype=float) * w.T).T)
+
 
 COLORS = ("#0072b2", "#b36b00", "#c1272d")  # of ω₁, ω₂, ω₃ and of ê₁, ê₂, ê₃: blue, orange, red
 AMBER, GREY = "#c0851a", "0.55"
 EXACT: dict[str, Any] = {"ls": (0, (1, 1.5)), "lw": 2.0}  # dotted, in the colour of what it is compared with
 UNCOLOURED: dict[str, Any] = {**EXACT, "color": "0.25"}
-HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
+HALF_BOX = np.array(BOX[1:]) / 2
 BOX_AXES = (AMBER, COLORS[0], COLORS[2])  # the figure of the box has ê₁ amber
 FLOOR = 1e-17  # below one rounding error; a log axis shows an exact zero here
 
 
-def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_moments(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw the box with its axes, and its moments beside the exact ones."""
     solid, bars = canvas.add_subplot(121, projection="3d"), canvas.add_subplot(122)
     _draw_box(solid, np.eye(3), alpha=0.55)
     for k, color in enumerate(BOX_AXES):
@@ -46,7 +127,7 @@ def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
         arrow(solid, tip, color=color, lw=2.5, zorder=10)
         solid.text(*(1.12 * tip), f"ê{'₁₂₃'[k]}", color=color)
     cube_axes(solid, 1.0)
-    solid.set_title(f"box {BOX_NUMBERS[1]:g} × {BOX_NUMBERS[2]:g} × {BOX_NUMBERS[3]:g} m", fontsize=9)
+    solid.set_title(f"box {BOX[1]:g} × {BOX[2]:g} × {BOX[3]:g} m", fontsize=9)
     place, yours, exact = np.arange(3), np.sort(seen[0]["moments"][0]), truth[0]["moments"][0]
     bars.bar(place - 0.2, yours, 0.4, color=BOX_AXES, label="yours")
     bars.bar(place + 0.2, exact, 0.4, color="0.75", label="exact")
@@ -55,7 +136,8 @@ def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     legend_above(bars)
 
 
-def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw ω(t), and T and |L|, with the exact ones dotted."""
     run, exact = seen[0], truth[0]
     left, right = canvas.subplots(1, 2)
     _components(left, run, exact)
@@ -96,7 +178,8 @@ def _keep_exact_in_view(axes: Any, t: Any, yours: Any, exact: Any, least: float 
         axes.axvline(t[int(inside.argmin())], color=GREY, lw=1, label="yours leaves")
 
 
-def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw the distance from the exact motion, and the tolerance."""
     axes = canvas.add_subplot()
     for i in range(3):
         delta = np.abs(seen[0]["w"][i] - truth[0]["w"][i])
@@ -109,7 +192,8 @@ def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None
     legend_above(axes)
 
 
-def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_polhodes(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw the polhodes on the energy ellipsoid."""
     axes = canvas.add_subplot(projection="3d")
     energy = float(kinetic_energy(truth[0]["w"][:, 0], BODY))
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 37), np.linspace(0, np.pi, 19))
@@ -136,7 +220,8 @@ def _few_ticks(axes: Any) -> None:
     axes.tick_params(labelsize=8, pad=0)
 
 
-def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw ω(t) of the symmetric top, and the circle of (ω₁, ω₂)."""
     run, exact = seen[0], truth[0]
     left, circle = canvas.subplots(1, 2)
     _components(left, run, exact)
@@ -157,12 +242,13 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
         )
     circle.set(xlabel="ω₁ / (rad/s)", ylabel="ω₂ / (rad/s)", aspect="equal")
     if np.isfinite(run["w"]).all():
-        rate = turning_rate(run["t"], run["w"], exact["w"], SYMMETRIC_RATE)
+        rate = turning_rate(run["t"], run["w"], exact["w"])
         circle.set_title(f"phase slope {rate:.6g} rad/s\n(I₃−I₁)/I₁·ω₃ = {SYMMETRIC_RATE:g} rad/s")
     legend_above(circle)
 
 
-def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw the transverse spin about each axis."""
     axes = canvas.add_subplot()
     for k, (run, exact) in enumerate(zip(seen, truth, strict=True)):
         axes.semilogy(
@@ -176,7 +262,8 @@ def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     legend_above(axes)
 
 
-def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    """Draw stills of the box spun about each axis."""
     shares = np.linspace(0.0, 0.7, 6)
     grid = canvas.subplots(
         len(seen), len(shares), subplot_kw={"projection": "3d"}, gridspec_kw={"wspace": 0, "hspace": 0}
@@ -188,7 +275,7 @@ def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
             grid[row, column].set_title(f"ê{'₁₂₃'[row]}, {run['t'][at]:.2f} s", fontsize=8, pad=-2)
 
 
-def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+def draw_cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     """Draw the symmetry axis around L, with L vertical."""
     run, exact = seen[0], truth[0]
     L = space_momentum(exact["R"], exact["w"], SYMMETRIC)[0]
@@ -223,71 +310,3 @@ def _draw_box(axes: Any, R: np.ndarray, alpha: float = 1.0) -> None:
     )
     axes.add_collection3d(faces)
     cube_axes(axes, 0.85).set_axis_off()
-
-
-SPINS = ("spin-min", "spin-mid", "spin-max")
-
-BOX = Figure(
-    "box",
-    "The box and its principal moments",
-    "A translucent box with its axes ê₁ amber, ê₂ blue, ê₃ red, and bars comparing your principal moments"
-    " with the exact ones.",
-    ("tensor",),
-    _box,
-)
-OMEGA = Figure(
-    "omega",
-    "Angular velocity, and T and |L|, which stay constant",
-    "Left: the components of your ω against time, the exact motion dotted. Right: your T and |L| against"
-    " time, the exact dotted.",
-    ("torque-free",),
-    _omega,
-)
-OMEGA_RESIDUAL = Figure(
-    "omega-residual",
-    "Distance from the exact motion",
-    "Absolute difference between your ω and the exact ω against time on a log axis, with the tolerance as a"
-    " dashed line.",
-    ("torque-free",),
-    _residual,
-)
-POLHODE = Figure(
-    "polhode",
-    "Polhodes on the energy ellipsoid",
-    "Three-dimensional curves of your ω on the translucent energy ellipsoid, the exact polhodes dotted over"
-    " them.",
-    ("torque-free", "polhode-3", "polhode-1"),
-    _polhode,
-)
-PRECESSION = Figure(
-    "precession",
-    "Free precession in the body",
-    "Left: ω₁ blue, ω₂ orange and ω₃ red against time, the exact motion dotted. Right: the circle of ω₁ and"
-    " ω₂, yours and exact.",
-    ("symmetric",),
-    _precession,
-)
-GROWTH = Figure(
-    "growth",
-    "Growth of the transverse spin",
-    "Transverse angular velocity over the spin for spins about the three axes, on a log axis; only the"
-    " intermediate one grows.",
-    SPINS,
-    _growth,
-)
-TUMBLE = Figure(
-    "tumble",
-    "Stills of the tumbling box",
-    "Three rows of six stills of the box, spun about its first, second and third axis by your equations; the"
-    " second row tumbles.",
-    SPINS,
-    _tumble,
-)
-CONE = Figure(
-    "cone",
-    "The symmetry axis around L",
-    "Your body axis ê₃, red, and its path in space, a grey circle around the vertical L in black; the exact"
-    " path dotted.",
-    ("precession",),
-    _cone,
-)

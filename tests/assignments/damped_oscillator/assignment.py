@@ -23,6 +23,7 @@ def equation_of_motion(ask):
         weakly_damped,
         until=20.0,
         follow=relative(1e-6, because="the integrator, at rtol 1e-9, stays within 1e-7 of the closed form"),
+        budget_s=10.0,
     )
 
     @oscillator.truth(agree=relative(1e-12, because="correct formulas differ by a few roundings"))

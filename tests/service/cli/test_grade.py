@@ -325,9 +325,8 @@ def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(polhode, folder
 
 def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     folder = copied(tmp_path, "pendulum")
-    change(
-        folder / "assignment.py", 'notebook="notebook.ipynb"', 'setup="1 / 0"'
-    )  # in the child, before it reads the submission
+    # it runs here, and fails in the child before it reads the submission
+    change(folder / "notebook.ipynb", "import numpy as np", "import numpy as np; __import__('reference')")
     mine = folder / "samples/right_terms.py"
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2

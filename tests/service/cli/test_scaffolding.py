@@ -211,7 +211,7 @@ CHECKS = ["1-value", "1-new-value"]
 @pytest.fixture
 def course_with_a_broken_one(tmp_path):
     scaffold("driven-pendulum", TITLE, tmp_path / "course")
-    (copied(tmp_path / "course", "broken_one") / "plays.py").unlink()
+    (copied(tmp_path / "course", "broken_one") / "notebook.ipynb").unlink()
     return tmp_path / "course"
 
 
@@ -287,7 +287,7 @@ def test_a_server_serves_it_and_a_broken_one_costs_only_itself(
     with pytest.raises(urllib.error.HTTPError) as caught:
         submit(server, "broken-one", "def oscillator(): ...")
     assert caught.value.code == 503 and json.load(caught.value)["type"].endswith(":assignment-broken")
-    assert "assignment broken-one: scene probes: plays.py has no function" in server.log.read_text()
+    assert "assignment broken-one: notebook.ipynb is missing" in server.log.read_text()
 
 
 def submit(server, slug, source):

@@ -102,10 +102,11 @@ KIT = [
         ("tests/exercises/kit/polhode/client/test_http.py::test_a_redirect_to_another_host_is_not_followed",),
     ),
     Breakage(
-        "what students get holds every module of an assignment, with its solutions",
+        "what students get holds the author's notebook, with its solutions",
         "exercises/authoring/publishing/public_side.py",
-        '(assignment.folder / "public").glob("*.py")',
-        'assignment.folder.rglob("*.py")',
+        '    yield "plays.py", assignment.plays.encode()\n',
+        '    yield "plays.py", assignment.plays.encode()\n'
+        '    yield "notebook.ipynb", (assignment.folder / "notebook.ipynb").read_bytes()\n',
         ("tests/exercises/authoring/publishing/test_public_side.py",),
     ),
     Breakage(

@@ -228,7 +228,7 @@ def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, cap
     second = copied(folder.parent, "second")
     assert verify(folder, str(second), "--only", "right_terms.py") == 2
     told = capsys.readouterr()
-    place = "polhode: assignment damped-oscillator: assignment.py line 36: AttributeError: module 'numpy'"
+    place = "polhode: assignment damped-oscillator: assignment.py line 37: AttributeError: module 'numpy'"
     assert place in told.err
     assert "second: 1 of 1 samples as expected" in told.out
 

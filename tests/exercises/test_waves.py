@@ -336,7 +336,7 @@ def test_one_amplitude_is_an_array_too():
     source = f"def modes(u):\n    {SINES.replace('return', 'b =')}\n    return b if len(b) > 1 else b[0]\n"
     of_20, of_other_sizes = (question for question in ALL if question.function == "modes")
     assert failed(judged(of_20, source)) == set()
-    with pytest.raises(WrongAnswer, match="shape"):
+    with pytest.raises(WrongAnswer, match="what the check makes of modes's answers must be an array"):
         judged(of_other_sizes, source)
 
 

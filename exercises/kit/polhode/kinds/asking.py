@@ -304,9 +304,10 @@ def _value(question: Mapping[str, Any], value: Mapping[str, Any], part: Any) -> 
 def _named(question: Mapping[str, Any]) -> tuple[str, bool]:
     """Return what a sentence calls the answer, and whether a function of the student returned it."""
     call = question.get("call")
-    if call and len(call) <= LONGEST_CALL:
-        return f"`{call}`", False
-    return question["function"], not (call or question.get("variables"))
+    if call:
+        is_short = len(call) <= LONGEST_CALL
+        return f"`{call}`" if is_short else f"what the check makes of {question['function']}'s answers", False
+    return question["function"], not question.get("variables")
 
 
 def stacked(answers: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[np.float64]]:

@@ -29,7 +29,10 @@ def test_a_large_argument_is_shown_by_its_corners():
 
 @pytest.mark.parametrize(
     ("call", "named"),
-    [("modes(m)[0]", "`modes(m)[0]`"), ("[w for w, X in [modes(m)]]" + " * 1" * 30, "modes")],
+    [
+        ("modes(m)[0]", "`modes(m)[0]`"),
+        ("[w for w, X in [modes(m)]]" + " * 1" * 30, "what the check makes of modes's answers"),
+    ],
 )
 def test_a_long_expression_of_the_author_is_not_quoted(call, named):
     question = {"function": "modes", "call": call, "returns": [{"name": "omega", "shape": []}]}

@@ -141,7 +141,7 @@ Exercise 2. Euler's equations
 ✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]
      worst at ω₁, t = 8.093 s
 ✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.752257 (limit 1e-13)]
-     worst at ω̇₂, t = 1.64239, w = [4.1064, 3.7875, 4.3229], I = [1.2407, 1.1571, 0.2582]
+     worst at ω̇₂, t = 1.64239, w = [4.1064, 3.7875, 4.3229], I = [1.2407, 1.1571, 0.2582]: got 0
 ✗  ω(t) of a new random body follows the exact motion for sixty radians   \
 [max|Δ|/scale ≤ 177.576 (limit 2.11e-08), by euler_eqs at 128 points along the exact motion]
 

@@ -72,7 +72,9 @@ def value_check(
 
     def describe_row(index: tuple[int, ...], seen: Arrays) -> str:
         at = value["components"][index[1]] if value.get("components") and len(index) > 1 else ""
-        return ", ".join(filter(None, (at, describe(question, seen, index[0]))))
+        place = ", ".join(filter(None, (at, describe(question, seen, index[0]))))
+        got = seen[name][index]
+        return f"{place}: got {got:.4g}" if np.ndim(got) == 0 else place
 
     name, own = value["name"], value.get("check")
     if value.get("scaled"):

@@ -35,7 +35,6 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body):
     broken = dataclasses.replace(rigid_body.scenes[-1], after="unknown")
     declared = dataclasses.replace(
         rigid_body,
-        plays="",
         scenes=(*rigid_body.scenes, broken),
         exercises=(*rigid_body.exercises, Exercise("7", "t", (), (bad,))),
     )
@@ -43,7 +42,6 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body):
     for part in (
         "scene film is declared twice",
         "check id 2-energy is used twice",
-        "plays.py has no function play",
         "no scene nowhere",
         "has no reason",
         "finite number",

@@ -137,8 +137,8 @@ class AskedSolution:
         """Keep an error, so that all errors of a declaration are reported at once."""
         self.errors.append(DeclarationError(message, line))
 
-    def _known(self) -> set[str]:
-        return {name for cell in self.solution.solutions.cells for name in cell.bound()}
+    def _known(self) -> frozenset[str]:
+        return self.solution.solutions.bound
 
 
 @dataclass(eq=False)

@@ -56,6 +56,11 @@ class Solutions:
         self.asked: set[str] = set()
         self._found: dict[str, NotebookSolution] = {}
 
+    @functools.cached_property
+    def bound(self) -> frozenset[str]:
+        """The global names that the notebook's cells bind."""
+        return frozenset(name for cell in self.cells for name in cell.bound())
+
     def function(self, name: str) -> NotebookSolution:
         """Return the function or class that a cell defines. Raises NoSolution."""
         found = [s for _, s in self._statements(name) if isinstance(s.node, DEFINITION)]

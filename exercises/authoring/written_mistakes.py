@@ -7,10 +7,11 @@ there, written as constants, or taken along as source if they are functions.
 
 import ast
 import builtins
+import functools
 import inspect
 import sys
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from types import FunctionType, ModuleType
 from typing import Any
@@ -42,15 +43,13 @@ class WrittenMistake:
     sentence: str
     line: int
     given: Mapping[str, Any] = field(default_factory=dict)
-    known: Callable[[], set[str]] = set
+    known: Callable[[], Collection[str]] = frozenset
 
     def source(self, right: str) -> str:
         """Return the source with the mistake, from that of the right solution. Raises NotPortable."""
-        needs = _Needs(self.name, self.known())
-        node = needs.definition(self.function, self.name)
-        node.args.args = [a for a in node.args.args if a.arg not in self.given]
+        needed, text = _written(self.function, self.name, frozenset(self.known()), frozenset(self.given))
         constants = [f"{name} = {_literal(name, value)}" for name, value in self.given.items()]
-        body = "\n".join([*needs.lines, *constants, ast.unparse(node), f"return {self.name}"])
+        body = "\n".join([*needed, *constants, text, f"return {self.name}"])
         factory = f"def with_mistake({RIGHT}):\n{textwrap.indent(body, '    ')}"
         return f"{right.rstrip()}\n\n\n{factory}\n\n\n{self.name} = with_mistake({self.name})\n"
 
@@ -63,11 +62,24 @@ class WrittenMistake:
         return []
 
 
+@functools.cache
+def _written(
+    function: FunctionType, name: str, known: frozenset[str], given: frozenset[str]
+) -> tuple[list[str], str]:
+    """Return the lines that a mistake uses, and its source without the parameters ``given``: the same for all
+    members of a family.
+    """
+    needs = _Needs(name, known)
+    node = needs.definition(function, name)
+    node.args.args = [a for a in node.args.args if a.arg not in given]
+    return needs.lines, ast.unparse(node)
+
+
 def source_of(function: FunctionType) -> str:
     """Return the source of a function of the author's file, behind that of what it uses. Raises
     NotPortable.
     """
-    needs = _Needs("", set())
+    needs = _Needs("", frozenset())
     node = needs.definition(function, function.__name__)
     return "\n".join([*needs.lines, ast.unparse(node)])
 
@@ -78,7 +90,7 @@ class _Needs:
     ``asked`` is the name of the right solution, ``known`` are the names of the notebook.
     """
 
-    def __init__(self, asked: str, known: set[str]) -> None:
+    def __init__(self, asked: str, known: frozenset[str]) -> None:
         self.asked, self.known = asked, known
         self.lines: list[str] = []
         self._defined: set[str] = set()

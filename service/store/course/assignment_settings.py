@@ -40,8 +40,8 @@ NAMES = tuple(field.name for field in fields(AssignmentSettings))
 async def change(
     database: Database, slug: str, changes: Mapping[str, Any], actor: str
 ) -> AssignmentSettings | None:
-    """Change the settings named in ``changes``, and return all of them. Return None if the assignment does
-    not exist.
+    """Change the settings named in ``changes``, and return all of them; the audit log gets those that differ.
+    Return None if the assignment does not exist.
     """
     async with database.begin() as connection:
         return await change_in(connection, slug, changes, actor)
@@ -54,13 +54,11 @@ async def change_in(
     row = await connection.first(_READ, {"slug": slug, "course": COURSE})
     if row is None:
         return None
-    settings = AssignmentSettings(**row._asdict() | changes)
-    if changes:
-        values = {name: getattr(settings, name) for name in NAMES}
-        await connection.execute(_SET, values | {"slug": slug, "course": COURSE})
-        changed = {name: str(value) for name, value in changes.items()}
+    settings = row._asdict() | changes
+    if changed := {name: str(value) for name, value in changes.items() if value != getattr(row, name)}:
+        await connection.execute(_SET, settings | {"slug": slug, "course": COURSE})
         await audit.record(connection, actor, "assignment settings", slug, changed)
-    return settings
+    return AssignmentSettings(**settings)
 
 
 async def opening(database: Database) -> dict[str, datetime]:

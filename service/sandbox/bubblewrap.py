@@ -11,7 +11,7 @@ import shutil
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from exercises.authoring.assignments import course_packages
+from exercises.authoring.assignments.catalogue import course_folders
 from exercises.authoring.assignments.course_imports import libraries
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest.scratch import MIB, ROOM
@@ -50,7 +50,7 @@ def namespace_isolation(
     A zygote started as root keeps only the capabilities that it needs to change to an unprivileged user id.
     """
     binds = [*runtime(), *(SITE_PACKAGES / name for name in packages(more))]
-    course = {f"{GUEST_HOME}/course/{k}": folder for k, folder in enumerate(course_packages.folders())}
+    course = {f"{GUEST_HOME}/course/{k}": folder for k, folder in enumerate(course_folders())}
     stays_root = reason_to_stay_root([*binds, GUEST, KIT, *course.values()])
     user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     applied = [x for x in LAYERS if x in layers]

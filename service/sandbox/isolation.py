@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from exercises.authoring.assignments import course_packages
+from exercises.authoring.assignments.catalogue import course_folders
 from exercises.authoring.assignments.course_imports import libraries
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
@@ -127,7 +127,7 @@ def process_isolation(
     """
     import matplotlib
 
-    course = course_packages.folders()
+    course = course_folders()
     path = [GUEST.parent, KIT.parent, SITE_PACKAGES, *course]
     readable = [
         *runtime(),

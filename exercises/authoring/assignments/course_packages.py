@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from exercises.authoring.assignments import catalogue
+from exercises.authoring.assignments.catalogue import course_folders
 from exercises.authoring.assignments.course_imports import ALWAYS
 from polhode.judging.claims import words_in
 
@@ -24,14 +25,9 @@ OTHERS |= dict.fromkeys(ALWAYS, "a package that every notebook can use") | {
 COMPILED = (".so", ".pyd", ".dylib")
 
 
-def folders() -> list[Path]:
-    """Return the folders in the order in which packages are looked for."""
-    return catalogue.course_folders()
-
-
 def names(*more: Path) -> set[str]:
     """Return the names of the packages and modules in them, and in the folders ``more`` that exist."""
-    known = [*folders(), *(folder for folder in more if folder.is_dir())]
+    known = [*course_folders(), *(folder for folder in more if folder.is_dir())]
     return {path.stem for folder in known for path in folder.iterdir() if _is_importable(path)}
 
 
@@ -39,15 +35,15 @@ def modules() -> set[str]:
     """Return the names of the packages and modules in them of which ``errors`` says nothing, and of their
     modules with the validation words.
     """
-    paths = [path for folder in folders() for path in folder.iterdir() if _is_importable(path)]
+    paths = [path for folder in course_folders() for path in folder.iterdir() if _is_importable(path)]
     found = {path.stem for path in paths if _is_free(path) and not any(_syntax_errors(path))}
-    words = set[str]().union(*map(words_in, folders()))
+    words = set[str]().union(*map(words_in, course_folders()))
     return found | {name for name in words if name.partition(".")[0] in found}
 
 
 def errors() -> tuple[str, ...]:
     """Return why packages in them cannot be used: a sentence for each, with its file and what to do."""
-    return _errors(tuple(home.parent / FOLDER for home in catalogue.folders()), tuple(folders()))
+    return _errors(tuple(home.parent / FOLDER for home in catalogue.folders()), tuple(course_folders()))
 
 
 @functools.cache
@@ -76,7 +72,7 @@ def remarks() -> list[str]:
     return [
         f"{path} is compiled: students with another system or Python than this server's cannot import it, so"
         " give them the same in Python, or a distribution to install"
-        for folder in folders()
+        for folder in course_folders()
         for path in sorted(folder.rglob("*"))
         if path.suffix in COMPILED
     ]
@@ -104,7 +100,7 @@ def _content(path: Path) -> tuple[tuple[str, bytes], ...]:
 
 def sources(imported: Collection[str], *more: Path) -> Iterator[Path]:
     """Yield the Python files of the packages and modules among these names, in them and in ``more``."""
-    for folder in [*folders(), *(folder for folder in more if folder.is_dir())]:
+    for folder in [*course_folders(), *(folder for folder in more if folder.is_dir())]:
         for path in folder.iterdir():
             if path.stem in imported and _is_importable(path):
                 yield from path.rglob("*.py") if path.is_dir() else (path,)
@@ -113,7 +109,7 @@ def sources(imported: Collection[str], *more: Path) -> Iterator[Path]:
 def files() -> dict[str, bytes]:
     """Return the content of all packages by path; of two with one name the first is taken."""
     found = dict[str, bytes]()
-    for folder in reversed(folders()):
+    for folder in reversed(course_folders()):
         own = dict(_files(folder))
         tops = {name.partition("/")[0] for name in own}
         found = {name: content for name, content in found.items() if name.partition("/")[0] not in tops} | own

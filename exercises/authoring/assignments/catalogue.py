@@ -16,11 +16,12 @@ from exercises.authoring.assignments import validation
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.course_imports import distributions
 from exercises.authoring.assignments.validation import format_error, syntax_errors
+from exercises.authoring.importing.words import COURSE_FOLDER
 from exercises.authoring.notebook import Notebook as DeclaredNotebook
 from exercises.authoring.questions.author import Notebook
 
 SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"
-DECLARATION, COURSE_FOLDER = "assignment.py", "course"
+DECLARATION = "assignment.py"
 
 
 def folders() -> list[Path]:

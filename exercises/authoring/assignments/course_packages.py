@@ -13,9 +13,10 @@ from pathlib import Path
 from exercises.authoring.assignments import catalogue
 from exercises.authoring.assignments.catalogue import course_folders
 from exercises.authoring.assignments.course_imports import ALWAYS
+from exercises.authoring.importing.words import COURSE_FOLDER
 from polhode.judging.claims import words_in
 
-FOLDER, LEFT_OUT = catalogue.COURSE_FOLDER, "__pycache__"
+FOLDER, LEFT_OUT = COURSE_FOLDER, "__pycache__"
 OTHERS = dict.fromkeys(sys.stdlib_module_names, "a module of the standard library")
 OTHERS |= dict.fromkeys(ALWAYS, "a package that every notebook can use") | {
     "polhode": "the students' kit",

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from polhode.judging.claims import KINDS, MODULE, words_in
 
-COURSE = "course"
+COURSE_FOLDER = "course"
 USUAL = """
 def check(passed, label, detail="", *, strict=True): ...
 def close(got, expected, label, *, rtol=1e-6, atol=1e-9, strict=True): ...
@@ -37,12 +37,16 @@ Words = tuple[tuple[str, tuple[Word, ...]], ...]
 
 def course_words(folder: Path) -> Words:
     """Return the words of the assignment in ``folder``: those of the course beside it, then its own."""
-    return words((folder.parent / COURSE, folder / COURSE))
+    return words((folder.parent / COURSE_FOLDER, folder / COURSE_FOLDER))
 
 
 def course_packages(folder: Path) -> set[str]:
     """Return the names of the course's packages and modules that the assignment in ``folder`` can import."""
-    found = [path for home in (folder.parent / COURSE, folder / COURSE) for path in home.glob("[!_.]*")]
+    found = [
+        path
+        for home in (folder.parent / COURSE_FOLDER, folder / COURSE_FOLDER)
+        for path in home.glob("[!_.]*")
+    ]
     return {path.stem for path in found if path.suffix == ".py" or any(path.glob("*.py"))}
 
 

@@ -81,7 +81,7 @@ damped-oscillator: 1 of 1 samples as expected on 4 seeds, 3 checks
             likely constant-factor: the damping is half as large: its term is −2γv
      1-new-value: expected no result, got ✗
        ✗  oscillator is right (new inputs)   [max|Δ|/scale = 0.149673 (limit 1e-12)]
-            worst at t = 19.0322, y = [ 1.4375, -1.6679], omega = 3.83317, gamma = 2.27435
+            worst at t = 19.0322, y = [ 1.4375, -1.6679], omega = 3.83317, gamma = 2.27435: got -17.33
             likely constant-factor: the damping is half as large: its term is −2γv
      unexpected diagnosis code: constant-factor (the damping is half as large: its term is −2γv)
 damped-oscillator: 1 of 3 samples as expected, 3 checks

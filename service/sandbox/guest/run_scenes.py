@@ -188,16 +188,20 @@ def _play(
     name = scene["name"]
     write.event("start", scene=name)
 
+    is_submission = scene["source"] is None
+
     def answer() -> None:
-        unchanged()
         names = student
-        if scene["source"] is not None:
+        if is_submission:
+            unchanged()
+        else:
             names = dict(student)
             exec(compile(scene["source"], "source.py", "exec"), names)
         play = plays[scene["play"]]
         asked = (names,) if scene["question"] is None else (scene["question"], names)
         arrays = play(*asked, scene["inputs"])
-        unchanged()
+        if is_submission:
+            unchanged()
         write.arrays(checked_arrays(play, arrays, scene["returns"]))
 
     budget = Budget(scene["budget_s"])

@@ -296,7 +296,7 @@ def _value(question: Mapping[str, Any], value: Mapping[str, Any], part: Any) -> 
     if isinstance(part, WrongAnswer):
         raise part
     array = _number_array(part, value, name, is_returned)
-    if not np.all(np.isfinite(array)):
+    if not np.isfinite(array).all():
         raise NotFinite(f"{name} {'returned' if is_returned else 'has'} a value that is not finite", array)
     return array
 

@@ -23,6 +23,7 @@ CELLS = (
     """\
 import polhode
 import numpy as np
+polhode.connect("{address}", assignment="rigid-body")
 
 def euler_eqs(t, w, I):
     I1, I2, I3 = I

@@ -92,10 +92,12 @@ def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult
     asked = [(number, q) for number, questions in assignment.questions.items() for q in questions]
     for number, question in asked:
         id, of = question["id"], f"{question['function']}, exercise {number}"
+        scenes = [s for s in assignment.scenes if s.question is not None and s.question["id"] == id]
+        if not scenes:  # the function is asked in an earlier exercise
+            continue
         right, *variants = [
             one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared
         ]
-        scenes = [s for s in assignment.scenes if s.question is not None and s.question["id"] == id]
         inputs = {s.name: draw_inputs(s, SEED) for s in scenes}
         job = job_of(Submission(""), assignment, scenes, inputs)
         outcomes: dict[Variant, dict[str, Outcome]] = {variant: {} for variant in (right, *variants)}

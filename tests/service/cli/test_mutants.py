@@ -6,6 +6,7 @@ import re
 import pytest
 
 from exercises.authoring.mutants.solution import Variant
+from service.cli import mutants
 from service.cli.__main__ import main
 from service.cli.mutants import MutantResult, grade_mutants, kill_rate, table, together
 from tests.support.assignments import known
@@ -16,6 +17,12 @@ def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     found = list(grade_mutants(rigid_body, most=6))
     assert len(found) == 6 and all(f.wrong and not f.accepted for f in found)
+
+
+def test_a_function_that_later_exercises_use_is_changed_once(rigid_body, monkeypatch):
+    monkeypatch.setattr(mutants, "play_variants", lambda *arguments, **options: {})
+    asked = {of for of in (one.of for one in grade_mutants(rigid_body)) if of.startswith("euler_eqs")}
+    assert asked == {"euler_eqs, exercise 2"}
 
 
 def test_the_command_says_what_is_missing(capsys):

@@ -59,7 +59,7 @@ def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -
         "L": np.round(_momentum(motion, exact), 4).tolist(),
         "exact": _whole(quaternions(R[at])),
         "yours": _whole(quaternions(yours.R[at[at < len(yours.R)]])),
-        "notes": _notes(yours, given, t, R),
+        "notes": _notes(yours, given, t, R, at),
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
@@ -108,18 +108,21 @@ def _momentum(motion: Motion, exact: Arrays) -> Array:
     return np.asarray(L / np.linalg.norm(L))
 
 
-def _notes(yours: ValidPrefix, given: Array, t: Array, R: Array) -> list[str]:
-    """Return sentences on the largest difference and on the samples that cannot be shown."""
+def _notes(yours: ValidPrefix, given: Array, t: Array, R: Array, shown: NDArray[np.intp]) -> list[str]:
+    """Return sentences on the largest difference, of the samples that are ``shown``, and on those that cannot
+    be.
+    """
     many, notes = len(yours.R), []
     if many:
         halves = np.linalg.norm(yours.R - R[:many], axis=(1, 2)) / np.sqrt(8)
         apart = np.degrees(2 * np.arcsin(np.minimum(halves, 1.0)))
-        most = int(apart.argmax())
-        alike = apart[most] < ALIKE
+        shown = shown[shown < many]
+        most = int(shown[apart[shown].argmax()])  # where the player starts
+        alike = apart.max() < ALIKE
         notes.append(
             f"Never more than {ALIKE:.5f}° apart."
             if alike
-            else f"Farthest apart at t = {t[most]:.3g} s, by {apart[most]:.3g}°."
+            else f"Farthest apart at t = {t[most]:.2f} s, by {apart[most]:.1f}°."
         )
     if yours.off > NOTICEABLE:
         notes.append(

@@ -55,7 +55,10 @@ def chips(assignment: Assignment | None, report: Report) -> list[Chip]:
             counted = [o for o in exercise.outcomes if o.counted]
             passed = all(o.verdict == "pass" for o in counted or exercise.outcomes)
             earned = sum(o.earned for o in counted)
-            points = f"{earned}/{sum(o.points for o in counted)}" if counted else ""
+            needed = [o for o in counted if not o.bonus]
+            bonus = earned - sum(o.earned for o in needed)
+            points = f"{earned - bonus}/{sum(o.points for o in needed)}" if needed else ""
+            points += f" +{bonus}" if bonus else ""
             state = "pass" if passed else "part" if earned else "fail"
             found[exercise.number] = Chip(exercise.number, exercise.title, state, points)
     declared = {e.number: Chip(e.number, e.title, "none") for e in assignment.exercises} if assignment else {}

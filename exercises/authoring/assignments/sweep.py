@@ -90,8 +90,10 @@ def _of_solvers(
     noise = f"{len(stopped)} of {len(mine.points)} runs were stopped at rounding noise (crosses)"
     arrived = [p for p in mine.points if p.error is not None]
     enough = [p for p in arrived if p.error is not None and p.error <= target]
+    if not arrived:
+        return [f"no run reaches the end: check {function} first"]
     if not enough:
-        least = min((p.error for p in arrived if p.error is not None), default=math.inf)
+        least = min(p.error for p in arrived if p.error is not None)
         why = f"check {function} first"
         if stopped and kappa and least < 10 * kappa * SINGLE:
             why = (

@@ -35,12 +35,13 @@ def test_every_exercise_has_a_chip(rigid_body):
             ExerciseReport("2", "Euler", [outcome("2-energy"), outcome("2-x", "fail", counted=False)]),
             ExerciseReport("3", "Polhodes", [outcome("3-energy", "unmeasured", cause="no")]),
             ExerciseReport("5", "Axes", [outcome("5-growth"), outcome("5-stable", "fail")]),
+            ExerciseReport("6", "Cone", [outcome("6-slope"), outcome("6-moves", bonus=True)]),
         ]
     )
     found = {chip.number: (chip.state, chip.points) for chip in report_summary.chips(rigid_body, one)}
-    attempted = {"2": ("pass", "1/1"), "3": ("fail", "0/1"), "5": ("part", "1/2")}
-    assert found == dict.fromkeys("146", ("none", "")) | attempted
-    assert [chip.number for chip in report_summary.chips(None, one)] == ["2", "3", "5"]
+    attempted = {"2": ("pass", "1/1"), "3": ("fail", "0/1"), "5": ("part", "1/2"), "6": ("pass", "1/1 +1")}
+    assert found == dict.fromkeys("14", ("none", "")) | attempted
+    assert [chip.number for chip in report_summary.chips(None, one)] == ["2", "3", "5", "6"]
 
 
 def rows(*points):

@@ -9,7 +9,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-COLOURS = 192
+COLOURS = 256
 SCROLLED = """async () => {
     const height = document.documentElement.scrollHeight;
     for (let y = 0; y < height; y += 600) { scrollTo(0, y); await new Promise(r => setTimeout(r, 80)); }

@@ -58,6 +58,12 @@ def test_a_run_that_was_stopped_is_rounding_noise_and_single_precision_is_named(
     assert noise == "3 of 16 runs were stopped at rounding noise (crosses)"
 
 
+def test_a_function_with_which_no_run_ends_has_no_least_error():
+    assert text(result(50e-6, errors={rtol: None for _, rtol in SETTINGS}, stopped=(3,))) == [
+        "no run reaches the end: check f first"
+    ]
+
+
 @pytest.mark.parametrize("error", [4e-6, 1.9])
 def test_a_wrong_function_that_no_noise_stops_is_not_called_single_precision(error):
     (missed,) = text(result(1e-6, errors={rtol: error for _, rtol in SETTINGS}))

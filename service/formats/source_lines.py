@@ -18,7 +18,7 @@ from polhode.notebook.outputs import is_notebook
 from polhode.report.student_line import BREAK
 from service.formats.check_text import stopped_by
 from service.grading.result import GradedFile
-from service.grading.submission import PYTHON_FILE, source_locations
+from service.grading.submission import cell_name, source_locations
 
 Numbered = list[tuple[int, str]]
 """The lines of a cell, each with its number in the file."""
@@ -32,7 +32,7 @@ class SourceLines:
         self._functions = {
             c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes
         }
-        whole = {PYTHON_FILE: list(enumerate(BREAK.split(file.source), start=1))}
+        whole = {cell_name(file.file.name): list(enumerate(BREAK.split(file.source), start=1))}
         self._cells = _notebook(file.source) if is_notebook(file.source, file.file.name) else whole
 
     def line_of(self, outcome: Outcome) -> int | None:

@@ -5,6 +5,7 @@
 import hashlib
 import json
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
@@ -18,6 +19,7 @@ KIB, MIB = 2**10, 2**20
 MOST_CELLS = 500
 MOST_NAME = 120
 PYTHON_FILE = "submission.py"
+PLAIN_NAME = re.compile(r"(?!plays\.py)[\w .()+-]{1,80}\.py")  # plays.py is a name of the sandbox's own
 SUFFIXES = (".py", ".ipynb")
 RENAME = "submit a .py or .ipynb file; if it holds Python, give it a name that ends in .py"
 NOT_A_NOTEBOOK = (
@@ -114,8 +116,13 @@ class Submission:
     def cells(self) -> tuple[Cell, ...]:
         """Return the code cells of a notebook, or the whole file as one cell."""
         if not is_notebook(self.source, self.filename):
-            return (Cell(PYTHON_FILE, self.source),)
+            return (Cell(cell_name(self.filename), self.source),)
         return _notebook_cells(self.source)
+
+
+def cell_name(filename: str) -> str:
+    """Return the name of a Python file in tracebacks: its own if that is plain."""
+    return filename if PLAIN_NAME.fullmatch(filename) else PYTHON_FILE
 
 
 def check_filename(value: object, pointer: str) -> str:

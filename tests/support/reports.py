@@ -19,9 +19,7 @@ PROVENANCE = Provenance(
     phases_ms={"grade": 1000.0},
 )
 TOLERANCE = Tolerance(rtol=1e-6, atol=1e-9, reason="the notebook's own tolerance")
-TRACEBACK = (
-    '  File "submission.py", line 3, in euler_eqs\n    return w / 0\nZeroDivisionError: division by zero\n'
-)
+TRACEBACK = '  File "ann.py", line 3, in euler_eqs\n    return w / 0\nZeroDivisionError: division by zero\n'
 SLIP = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check (I₃ − I₁)", 1.0)
 SLOW = SceneEnd("motion", Ended.TIMED_OUT, "your code did not finish within 2 s", "timeout")
 UNMEASURED = {

@@ -43,7 +43,7 @@ def test_the_line_of_the_definition(rigid_body, source, number):
 def test_the_innermost_line_of_the_traceback_counts_more(rigid_body):
     source = "def euler_eqs(t, w, I):\n    return other(w)\n\ndef other(w):\n    return w / 0\n"
     trace = (
-        '  File "submission.py", line 2, in euler_eqs\n    return other(w)\n  File "submission.py", line 5,'
+        '  File "mine.py", line 2, in euler_eqs\n    return other(w)\n  File "mine.py", line 5,'
         f" in other\n{RAISED}\n"
     )
     assert line(rigid_body, source, trace=trace) == 5
@@ -52,7 +52,7 @@ def test_the_innermost_line_of_the_traceback_counts_more(rigid_body):
 
 
 @pytest.mark.parametrize(
-    "frame", ['"submission.py", line 99999999999999', '"submission.py", line 0', '"/etc/passwd", line 1']
+    "frame", ['"mine.py", line 99999999999999', '"mine.py", line 0', '"/etc/passwd", line 1']
 )
 def test_no_line_that_the_file_does_not_have(rigid_body, frame):
     assert line(rigid_body, "\ndef euler_eqs(): 1", trace=f"  File {frame}, in euler_eqs\n{RAISED}\n") == 2

@@ -12,7 +12,12 @@ def notebook(*sources, **fields):
 
 def test_a_file_is_one_cell():
     (cell,) = Submission.from_bytes(b"\xef\xbb\xbfx = 1\n", "mine.py").cells()
-    assert (cell.name, cell.source) == ("submission.py", "x = 1\n")
+    assert (cell.name, cell.source) == ("mine.py", "x = 1\n")
+
+
+@pytest.mark.parametrize("name", ["plays.py", 'a"b.py', "mine.txt", f"{'x' * 90}.py"])
+def test_a_name_that_is_not_plain_does_not_stand_in_tracebacks(name):
+    assert Submission.from_bytes(b"x = 1\n", name).cells()[0].name == "submission.py"
 
 
 def test_a_notebook_is_its_code_cells_numbered_as_shown():
@@ -40,7 +45,7 @@ def test_a_notebook_by_another_name(name):
 )
 def test_python_that_looks_like_a_notebook(source):
     (cell,) = Submission.from_bytes(source.encode(), "mine.py").cells()
-    assert (cell.name, cell.source) == ("submission.py", source)
+    assert (cell.name, cell.source) == ("mine.py", source)
 
 
 def test_python_by_the_name_of_a_notebook_says_what_to_do():

@@ -22,12 +22,10 @@ class Progress:
     """
 
     def __init__(self, total: int, kind: str = "all ✓", escape: Callable[[str], str] | None = None) -> None:
-        self._total, self._kind, self._escape, self._done, self._good = total, kind, escape, 0, 0
-        self._live, self._began, self._lock = (
-            total > 1 and sys.stderr.isatty(),
-            time.monotonic(),
-            threading.Lock(),
-        )
+        self._total, self._kind, self._escape = total, kind, escape
+        self._done = self._good = 0
+        self._live = total > 1 and sys.stderr.isatty()
+        self._began, self._lock = time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
         self._draw()

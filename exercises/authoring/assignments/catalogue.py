@@ -56,7 +56,7 @@ def default_folder() -> Path | None:
     for named in _named():
         if not (named / "__init__.py").is_file():
             return named
-    here = Path(__file__).parent
+    here = Path(exercises.__path__[0])
     return None if {"site-packages", "dist-packages"} & set(here.parts) else here
 
 

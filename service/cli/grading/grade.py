@@ -13,11 +13,11 @@ from typing import Any
 
 from polhode.report.document import document
 from service.cli.arguments import add_exercise, count, seed
+from service.cli.batch_progress import Progress
 from service.cli.grading import report_options
 from service.cli.grading.find_assignment import find_assignment
 from service.cli.grading.find_files import find_files
 from service.cli.grading.report_folder import ReportFolder
-from service.cli.progress import Progress
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile, summary
@@ -70,28 +70,26 @@ def add_grade(parser: argparse.ArgumentParser) -> None:
 def _grade(arguments: argparse.Namespace) -> int:
     settings, files = Settings(), find_files(arguments.files)
     written = report_options.ReportFiles(arguments, files)
-    assignment = find_assignment(arguments.assignment, files)
-    options = GradeOptions(
-        assignment,
-        secrets.randbits(48) if arguments.seed is None else arguments.seed,
-        report_options.pictures(arguments),
-        arguments.sweep,
-        sizes=SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB),
-    )
-    exercises = tuple(arguments.exercise) if arguments.exercise else None
-    requests = [GradeRequest(file, exercises) for file in files]
-    folder = ReportFolder(arguments.out, files) if arguments.out else None
+    isolation = choose(settings.min_isolation, settings.allow_root_guest)
+    limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
+    sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
+    seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
     graded: list[GradedFile] = []
-    with (
-        closing(_sandbox(settings)) as sandbox,
-        Progress(len(files), escape=report_options.escape(arguments)) as progress,
-    ):
+    with closing(Sandbox(isolation, limits, libraries=False)) as sandbox:
+        sandbox.start()  # while this process loads the assignment
+        assignment = find_assignment(arguments.assignment, files)
+        figures = report_options.pictures(arguments)
+        options = GradeOptions(assignment, seed, figures, arguments.sweep, sizes=sizes)
+        exercises = tuple(arguments.exercise) if arguments.exercise else None
+        requests = [GradeRequest(file, exercises) for file in files]
+        folder = ReportFolder(arguments.out, files) if arguments.out else None
         sandbox.self_test()
-        for file in grade_files(requests, options, sandbox, arguments.jobs, progress.update):
-            graded.append(file)
-            if folder:
-                folder.add(file)
-            progress.show(file, text=not arguments.json)
+        with Progress(len(files), escape=report_options.escape(arguments)) as progress:
+            for file in grade_files(requests, options, sandbox, arguments.jobs, progress.update):
+                graded.append(file)
+                if folder:
+                    folder.add(file)
+                progress.show(file, text=not arguments.json)
     if folder:
         folder.write_index(graded, assignment)
     written.write(graded, assignment)
@@ -100,11 +98,6 @@ def _grade(arguments: argparse.Namespace) -> int:
     elif len(graded) > 1:
         print(summary(graded))
     return 2 if any(file.fault for file in graded) else 0 if all(file.passed for file in graded) else 1
-
-
-def _sandbox(settings: Settings) -> Sandbox:
-    isolation = choose(settings.min_isolation, settings.allow_root_guest)
-    return Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall))
 
 
 def _entry(file: GradedFile) -> dict[str, Any]:

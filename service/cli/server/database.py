@@ -11,6 +11,7 @@ from typing import TypeVar
 import psycopg
 
 from exercises.authoring.assignments.catalogue import assignments
+from service.cli.arguments import number
 from service.cli.errors import CommandError
 from service.settings import Settings
 from service.store.database import Connection, Database
@@ -20,6 +21,7 @@ from service.store.postgres.server import EmbeddedPostgres, find_programs, runni
 from service.store.schema import check_schema, migrate
 
 T = TypeVar("T")
+_days = number(float, lambda days: 0 <= days <= 1e5, detail="expected 0 to 100000 days")
 
 
 def add_db(parser: argparse.ArgumentParser) -> None:
@@ -61,16 +63,6 @@ def add_db(parser: argparse.ArgumentParser) -> None:
     )
     prune.add_argument("--delete", action="store_true", help="delete them; default: only count")
     prune.set_defaults(run=_prune)
-
-
-def _days(text: str) -> float:
-    """Return a number of days. Raises ArgumentTypeError unless it is 0 or more."""
-    try:
-        if 0 <= (days := float(text)) < 1e5:
-            return days
-    except ValueError:
-        pass
-    raise argparse.ArgumentTypeError(f"{text} is not a number of days")
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from polhode.report.document import document
 from polhode.report.report import Report
 from service.cli.authoring.verify.published_notebook import notebook_differences
 from service.cli.authoring.verify.tally import Tally, cpu_warning
-from service.cli.progress import Progress
+from service.cli.batch_progress import Progress
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.jobs import draw_inputs, truth

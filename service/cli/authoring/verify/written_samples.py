@@ -10,8 +10,8 @@ from polhode.judging.outcome import Ended
 from polhode.report.document import document
 from polhode.report.report import Report
 from service.cli.authoring.verify.tally import Tally, cpu_warning
+from service.cli.batch_progress import Progress
 from service.cli.output_file import write
-from service.cli.progress import Progress
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile

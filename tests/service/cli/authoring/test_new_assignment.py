@@ -21,12 +21,12 @@ from tests.project.test_docs import documented_codes
 from tests.support import command_line
 from tests.support.asgi import visit
 from tests.support.assignments import copied, known
+from tests.support.checkout import ROOT
 from tests.support.course_shape import written
 from tests.support.http_client import Browser
 from tests.support.kit import environment, installed
 from tests.support.limits import largest_file
 
-ROOT = Path(__file__).parents[3]
 TITLE = 'The "driven" pendulum: it\'s \\ {{SERVER}} <i>ω</i> \\u0041 $x_1$'
 
 

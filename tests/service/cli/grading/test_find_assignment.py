@@ -83,12 +83,12 @@ def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, ca
     folder = copied(course, "broken_one")
     change(folder / "assignment.py", "until=20.0", 'until=20.0, hidden="yes"')
     with known(course):
-        with pytest.raises(InvalidAssignment, match="line 22: right_hand_side has no argument hidden"):
+        with pytest.raises(InvalidAssignment, match="line 21: right_hand_side has no argument hidden"):
             find_assignment(None, [folder / "samples" / "right_terms.py"])
         with pytest.raises(NoAssignment, match="assignment broken-one"):
             find_assignment(None, [file("def oscillator(): ...")])
         assert main(["grade", "--assignment", "broken-one", str(file("def oscillator(): ..."))]) == 2
-        assert "polhode: assignment broken-one: assignment.py line 22" in capsys.readouterr().err
+        assert "polhode: assignment broken-one: assignment.py line 21" in capsys.readouterr().err
         assert main(["assignments"]) == 2
         told = capsys.readouterr()
         assert (

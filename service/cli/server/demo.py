@@ -135,9 +135,9 @@ def _shown(slug: str) -> Iterator[tuple[str, str, Sample | MadeSample]]:
     wrong one of each of the first exercises.
     """
     assignment = assignments()[slug]
-    for sample in samples(assignment):
-        if sample.demo:
-            yield sample.file.name, sample.file.read_text(encoding="utf-8"), sample
+    if marked := [sample for sample in samples(assignment) if sample.demo]:
+        yield from ((one.file.name, one.file.read_text(encoding="utf-8"), one) for one in marked)
+        return
     made = {one.ask: one for one in assignment.made_samples() if not one.is_notebook}
     yield from ((one.name, one.source, one) for one in list(made.values())[:MADE])
 

@@ -52,7 +52,7 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 	@touch $@
 
 demo: env  ## start a server, grade samples over HTTP and print their reports (ONCE=1: then stop; PORT=N)
-	@$(CLEAN_ENV) $(BIN)/python -m service.cli.demo $(if $(ONCE),--once) $(if $(PORT),--port $(PORT))
+	@$(CLEAN_ENV) $(BIN)/python -m service.cli.server.demo $(if $(ONCE),--once) $(if $(PORT),--port $(PORT))
 
 serve: env  ## start the server on port 8000 with its data in .data
 	@$(CLEAN_ENV) POLHODE_DATA=$${POLHODE_DATA:-.data} $(BIN)/polhode serve

@@ -20,7 +20,7 @@ from pathlib import Path
 import httpx2
 import psycopg
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from service.grading.grader import Grader
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox

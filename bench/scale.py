@@ -27,7 +27,7 @@ import psycopg
 
 from bench.stand_ins import SOURCE, be_workers, record
 from exercises.authoring.assignments.catalogue import assignments
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from service.grading.submission import Submission
 from service.store.database import Database
 from service.store.postgres.os_user import as_server, own

@@ -35,7 +35,7 @@ import psycopg
 from bench.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from bench.stand_ins import be_workers, record
 from exercises.authoring.assignments.catalogue import find
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3

@@ -10,13 +10,12 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.catalogue import load_catalogue
 from service.app import create_app
-from service.cli.__main__ import COMMANDS
+from service.cli.__main__ import COMMANDS, add_arguments
 from service.settings import Settings
 
 ROOT = Path(__file__).parents[1]
@@ -109,9 +108,9 @@ AUTHOR_MODULES += tuple(f"kinds/{kind}" for kind in ("variables", "expression", 
 def cli() -> str:
     """Return the help of every command and of its subcommands."""
     sections = []
-    for name, (module, help) in COMMANDS.items():
+    for name, (_, help) in COMMANDS.items():
         parser = argparse.ArgumentParser(prog=f"polhode {name}", description=help)
-        getattr(import_module(f"service.cli.{module}"), f"add_{name.replace('-', '_')}")(parser)
+        add_arguments(name, parser)
         sections += [
             f"## polhode {name}\n",
             *(f"```text\n{p.format_help()}```\n" for p in _with_subcommands(parser)),

@@ -37,7 +37,7 @@ LONGEST = (
     "test_pages",
     "test_accessible",
     "test_dashboard",
-    "test_gradescope_bundle",
+    "test_gradescope_export",
     "test_session",
 )
 
@@ -46,7 +46,7 @@ LONGEST = (
 TOGETHER = {
     "physics": r"^tests/reference/",
     "real server": (
-        r"/(api/test_submissions|api/test_parse_submission|cli/test_serve|test_notebooks|test_demo)\.py$"
+        r"/(api/test_submissions|api/test_parse_submission|cli/server/test_serve|test_notebooks|test_demo)\.py$"
     ),
 }
 

@@ -1,4 +1,4 @@
-"""The command-line entry point ``polhode``: one module for each group of commands.
+"""The command-line entry point ``polhode``.
 
 Only the module of the given command is imported, and only its arguments are added. A failing import exits
 with code 2, because codes 0 and 1 are answers: of ``grade``, all checks ✓ or not; of ``mutants``, whether the
@@ -6,90 +6,84 @@ checks accept exactly the right functions. Code 141 means that standard output w
 """
 
 import argparse
+import gc
 import io
 import os
 import sys
 from contextlib import suppress
-from importlib import import_module
-from typing import Any, NamedTuple
+from importlib import import_module, metadata
 
 from service.cli.errors import print_error
 
 CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
-
-class Command(NamedTuple):
-    """The module of a command, whose function ``add_COMMAND`` adds the arguments to the parser, and what the
-    command does.
-    """
-
-    module: str
-    help: str
-
-
 COMMANDS = {
-    "serve": Command(
-        "serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set"
+    "serve": (
+        "server.serve",
+        "start the server, with an embedded database unless POLHODE_DATABASE_URL is set",
     ),
-    "worker": Command(
-        "worker",
-        help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL",
+    "worker": (
+        "server.worker",
+        "grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL",
     ),
-    "chart": Command(
-        "chart", help="measure what accuracy costs with the reference methods and where they fail"
+    "chart": ("grading.chart", "measure what accuracy costs with the reference methods and where they fail"),
+    "mutants": ("authoring.mutants", "grade mutants of the solution and list those that the checks misjudge"),
+    "grade": ("grading.grade", "grade .py and .ipynb files on this machine, without server or database"),
+    "verify": (
+        "authoring.verify.command",
+        "grade the samples of assignments and compare with their expected reports",
     ),
-    "mutants": Command(
-        "mutants", help="grade mutants of the solution and list those that the checks misjudge"
+    "new-assignment": (
+        "authoring.new_assignment",
+        "create an assignment of two working exercises to edit",
     ),
-    "grade": Command("grade", help="grade .py and .ipynb files on this machine, without server or database"),
-    "verify": Command(
-        "verify.command", help="grade the samples of assignments and compare with their expected reports"
+    "import-notebook": (
+        "authoring.import_notebook",
+        "make an assignment of a published notebook: its validation cells are run and judged again,"
+        " without points",
     ),
-    "new-assignment": Command("scaffolding", help="create an assignment of two working exercises to edit"),
-    "import-notebook": Command(
-        "import_notebook",
-        help=(
-            "make an assignment of a published notebook: its validation cells are run and judged again,"
-            " without points"
-        ),
+    "publish": (
+        "authoring.publish",
+        "write the students' notebook of an assignment, without solutions, to SLUG.ipynb",
     ),
-    "publish": Command(
-        "publish", help="write the students' notebook of an assignment, without solutions, to SLUG.ipynb"
+    "export": ("grading.gradescope_export", "export an assignment for another grading system"),
+    "db": ("server.database", "upgrade, back up, restore and check the database"),
+    "queue": ("server.queue", "show waiting and running gradings (refreshes every second on a terminal)"),
+    "regrade": (
+        "server.queue",
+        "grade submissions again, after all first gradings; results apply immediately",
     ),
-    "export": Command("gradescope_bundle", help="export an assignment for another grading system"),
-    "db": Command("database", help="upgrade, back up, restore and check the database"),
-    "queue": Command(
-        "queue", help="show waiting and running gradings (refreshes every second on a terminal)"
+    "assign": (
+        "server.assign",
+        "set or show deadline, grace period, submission limit and weight; options not given stay unchanged",
     ),
-    "regrade": Command(
-        "queue", help="grade submissions again, after all first gradings; results apply immediately"
+    "roster": (
+        "server.people",
+        "import people from a CSV file, or list the people of the course in that format",
     ),
-    "assign": Command(
-        "queue",
-        help=(
-            "set or show deadline, grace period, submission limit and weight; options not given stay"
-            " unchanged"
-        ),
+    "token": ("server.people", "create, list and revoke tokens"),
+    "password": (
+        "server.people",
+        "set a person's password, typed at a prompt or read from standard input",
     ),
-    "roster": Command(
-        "people", help="import people from a CSV file, or list the people of the course in that format"
-    ),
-    "token": Command("people", help="create, list and revoke tokens"),
-    "password": Command(
-        "people", help="set a person's password, typed at a prompt or read from standard input"
-    ),
-    "unlink": Command("people", help="disconnect a person from the account at the OpenID provider"),
-    "doctor": Command("doctor", help="check which sandbox features this machine supports"),
-    "assignments": Command("scaffolding", help="list the assignments and their exercises"),
+    "unlink": ("server.people", "disconnect a person from the account at the OpenID provider"),
+    "doctor": ("server.doctor", "check which sandbox features this machine supports"),
+    "assignments": ("authoring.new_assignment", "list the assignments and their exercises"),
 }
+"""By the name of a command: the module whose function ``add_COMMAND`` adds its arguments to a parser, and
+what the command does.
+"""
 
 
-class _Version(argparse.Action):
-    def __call__(self, parser: argparse.ArgumentParser, *of_this_use: Any) -> None:
-        from importlib.metadata import version  # 20 ms, which the commands save
-
-        print(f"polhode {version('polhode')}")
-        parser.exit()
+def add_arguments(name: str, parser: argparse.ArgumentParser) -> None:
+    """Import the module of a command and add the command's arguments."""
+    gc.disable()  # collections during the imports would take a fifth of the time of grading a file
+    try:
+        module = import_module(f"service.cli.{COMMANDS[name][0]}")
+    finally:
+        gc.freeze()
+        gc.enable()
+    getattr(module, f"add_{name.replace('-', '_')}")(parser)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -123,15 +117,14 @@ def _parse(argv: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="polhode", description="Auto-graded course assignments for physics notebooks."
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    version = f"polhode {metadata.version('polhode')}"
+    parser.add_argument("--version", action="version", version=version, help="print the version and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     given = [name for name in argv[:1] if name in COMMANDS]
     for name in given or COMMANDS:
-        command = commands.add_parser(name, help=COMMANDS[name].help)
+        command = commands.add_parser(name, help=COMMANDS[name][1])
         if given:
-            getattr(import_module(f"service.cli.{COMMANDS[name].module}"), f"add_{name.replace('-', '_')}")(
-                command
-            )
+            add_arguments(name, command)
     return parser.parse_args(argv)
 
 

@@ -4,25 +4,10 @@ import sys
 import traceback
 
 SENTENCES = {
-    *(
-        "CommandError",
-        "InvalidAssignment",
-        "NoAssignment",
-        "InvalidNotebook",
-        "UnknownExercise",
-        "SystemFault",
-    ),
-    *(
-        "IsolationUnavailable",
-        "DatabaseUnavailable",
-        "WrongSchema",
-        "BackupError",
-        "BadRoster",
-        "InvalidName",
-        "InvalidPassword",
-    ),
-    "OSError",
-}
+    "CommandError", "InvalidAssignment", "NoAssignment", "InvalidNotebook", "UnknownExercise", "SystemFault",
+    "IsolationUnavailable", "DatabaseUnavailable", "WrongSchema", "BackupError", "BadRoster", "InvalidName",
+    "InvalidPassword", "OSError",
+}  # fmt: skip
 """The exceptions, by name, whose text is a sentence for the user. Importing their modules may itself have
 failed.
 """

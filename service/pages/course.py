@@ -24,7 +24,7 @@ from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import course_cards, notebook_text, task
 from service.pages.rejected_forms import post_form
-from service.store.course import course_settings, gradebook, progress
+from service.store.course import course_settings, deadlines, gradebook
 from service.store.course.audit import MOST, entries
 from service.store.course.grades import grades
 from service.store.submissions.records import recent
@@ -40,7 +40,8 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     isolation, reason = await workers.current()
     order = list(assignments())
     overview = [row for row in await gradebook.overview(database) if row.slug in order]
-    mine = {} if staff else await progress.own(database, person.name)
+    own_rows = [] if staff else await deadlines.of_person(database, person.name)
+    mine = {row.slug: row for row in own_rows}
     counted = [] if staff else await grades(database, person=person.name)
     own = [one for one in counted if one.assignment in order and one.released]
     groups = course_cards.groups(overview, mine, order)
@@ -58,7 +59,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "groups": groups,
         "next": course_cards.next_deadline(groups, mine),
         "weights": sum(row.weight for row in overview),
-        "medians": await progress.medians(database) if staff else {},
+        "medians": await gradebook.medians(database) if staff else {},
         "standings": mine,
         "isolation": isolation or reason or "no worker is running",
     }

@@ -1,6 +1,4 @@
-"""The process of a zygote. This module imports no numpy, so that a guest starts before its host has imported
-the rest.
-"""
+"""The process of a zygote, with a folder of its own, which is removed with it."""
 
 import contextlib
 import fcntl

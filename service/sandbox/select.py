@@ -53,21 +53,12 @@ def with_packages(isolation: Isolation, more: Collection[str]) -> Isolation:
     return namespace_isolation(isolation.around[0], isolation.layers, more, isolation.allow_root)
 
 
-def prepare_namespaces(allow_root: bool = False) -> Isolation | None:
-    """Return the isolation in namespaces, which this machine may not support, or None if bubblewrap is not
-    installed.
-    """
-    program = find_bubblewrap()
-    return None if program is None else namespace_isolation(program, allow_root=allow_root)
-
-
 def try_namespaces(allow_root: bool = False) -> tuple[Isolation | None, str]:
-    """Start a process in the namespaces of ``prepare_namespaces``. Return their isolation and "", or None and
-    the reason for the failure.
-    """
-    isolation = prepare_namespaces(allow_root)
-    if isolation is None:
+    """Start a process in namespaces. Return their isolation and "", or None and the reason of the failure."""
+    program = find_bubblewrap()
+    if program is None:
         return None, "bubblewrap is not installed (apt install bubblewrap)"
+    isolation = namespace_isolation(program, allow_root=allow_root)
     statement = CHANGE_USER if os.geteuid() == 0 and not isolation.stays_root else "pass"
     try:
         tried = subprocess.run(

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import Sample, samples
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.image import calls, stand_ins
 from tests.image.course import BY_WORKER, LOST, Course, stop
 from tests.image.engine import Failed, Podman

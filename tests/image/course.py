@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from exercises.authoring.assignments.samples import Sample
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.image.calls import graded, readyz, submit, until
 from tests.image.engine import Failed, Podman
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from service.settings import Settings
 from tests.image.__main__ import HARDENED, NAMESPACES
 from tests.support.fake_server import Scripted, says

@@ -13,7 +13,7 @@ import httpx2
 import pytest
 import trustme
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.support.big_notebook import with_outputs
 from tests.support.checkout import ROOT
 from tests.support.server import Server

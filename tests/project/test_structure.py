@@ -39,7 +39,7 @@ def test_what_lies_at_the_top_is_no_helper():
     [
         *ROOT.glob("exercises/*/assignment.py"),
         *TESTS.glob("assignments/*/assignment.py"),
-        ROOT / "service/cli/scaffold/assignment.py",
+        ROOT / "service/cli/authoring/template/assignment.py",
     ],
     ids=lambda file: file.parent.name,
 )

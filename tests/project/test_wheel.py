@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from exercises.authoring.publishing.wheel import wheel as kit_wheel
-from service.cli.gradescope_bundle import bundle, own_wheel
+from service.cli.grading.gradescope_export import bundle, own_wheel
 
 ROOT = Path(__file__).parents[2]
 
@@ -56,12 +56,12 @@ def test_it_holds_what_runs_and_no_sample(wheel, rigid_body):
     assert {
         "exercises/rigid_body/notebook.ipynb",
         "exercises/rigid_body/course/ecp/validate.py",
-        "service/cli/gradescope_zip/setup.sh",
+        "service/cli/grading/gradescope_zip/setup.sh",
     } <= found.keys()
     kit = contents(wheel.parent / "kit")
     assert not found.keys() & kit.keys() and "polhode/__init__.py" in kit
     lock = (ROOT / "requirements/runtime.lock").read_bytes()
-    assert found["service/cli/gradescope_zip/requirements.lock"] == lock
+    assert found["service/cli/grading/gradescope_zip/requirements.lock"] == lock
     solutions = {p.read_bytes() for p in (rigid_body.folder / "samples").iterdir() if p.is_file()}
     assert len(solutions) > 100 and not solutions & {*found.values(), *kit.values()}
 

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from service import logs
-from service.cli import serve
+from service.cli.server import serve
 from service.settings import Settings
 
 

@@ -7,7 +7,7 @@ import sys
 import textwrap
 from pathlib import Path
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.support.checkout import ROOT
 
 SERVE = "polhode serve --port 8000"

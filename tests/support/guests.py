@@ -1,10 +1,9 @@
 """Grade in the tests' own warm guest, where ``polhode grade`` would start one for each command."""
 
 import os
-import sys
 
+from service.cli.grading import grade
 from service.grading import batch
-from service.sandbox import guest_process
 from service.sandbox.sandbox import Sandbox
 
 
@@ -13,9 +12,10 @@ def lend(sandbox, monkeypatch):
     always.
     """
     here = os.getpid()
+
+    def lent(*options, **named):
+        return sandbox if os.getpid() == here else Sandbox(*options, **named)
+
     monkeypatch.setattr(sandbox, "close", lambda: None)
-    for module in (batch, sys.modules["service.sandbox.sandbox"]):
-        monkeypatch.setattr(
-            module, "Sandbox", lambda *options: sandbox if os.getpid() == here else Sandbox(*options)
-        )
-    monkeypatch.setattr(guest_process, "GuestProcess", lambda *options, libraries: None)
+    for module in (batch, grade):
+        monkeypatch.setattr(module, "Sandbox", lent)

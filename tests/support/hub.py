@@ -15,7 +15,7 @@ import urllib.parse
 import urllib.request
 from pathlib import Path
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 
 # What the owner of a JupyterHub (4.0 or later) adds to jupyterhub_config.py so that kernels may hand in.
 ADVISED = """\

@@ -18,7 +18,7 @@ import urllib.parse
 import urllib.request
 from hashlib import sha256
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 
 PUBLIC = "a public client"
 

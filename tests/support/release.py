@@ -21,7 +21,7 @@ import zipfile
 from pathlib import Path
 
 from polhode.client.build import WHEEL
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.support.checkout import ROOT
 from tests.support.pictures import shown
 

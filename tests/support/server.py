@@ -13,7 +13,7 @@ from pathlib import Path
 import uvicorn
 
 from service.app import create_app
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from service.settings import Settings
 
 

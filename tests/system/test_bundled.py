@@ -8,7 +8,7 @@ import pytest
 
 from exercises.authoring.assignments import catalogue
 from service.cli.__main__ import main
-from service.cli.mutants import grade_mutants
+from service.cli.authoring.mutants import grade_mutants
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.isolation import process_isolation

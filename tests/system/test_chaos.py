@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.support.chaos import Chaos, lost
 
 

@@ -15,7 +15,7 @@ import psycopg
 import pytest
 import trustme
 
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from service.store.postgres.os_user import as_server, own
 from service.store.postgres.server import find_programs
 from tests.support.machines import NAMESPACES, Machine

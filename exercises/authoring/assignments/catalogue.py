@@ -1,4 +1,4 @@
-"""Discovery of assignments: the packages in this folder, and those named in POLHODE_ASSIGNMENTS."""
+"""Discovery of assignments: the packages in ``exercises``, and those named in POLHODE_ASSIGNMENTS."""
 
 import functools
 import importlib
@@ -25,7 +25,7 @@ DECLARATION = "assignment.py"
 
 
 def folders() -> list[Path]:
-    """Return every folder of an assignment, valid or not, those in this folder first."""
+    """Return every folder of an assignment, valid or not, those in ``exercises`` first."""
     return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in discover(one))]))
 
 
@@ -39,7 +39,7 @@ def course_folders() -> list[Path]:
 
 
 def is_taken(slug: str) -> bool:
-    """Return whether an assignment or a module of this folder has that name."""
+    """Return whether an assignment or a module of ``exercises`` has that name."""
     name = slug.replace("-", "_")
     return (
         name in [folder.name for folder in folders()]
@@ -49,14 +49,14 @@ def is_taken(slug: str) -> bool:
 
 def default_folder() -> Path | None:
     """Return where a new assignment belongs: the first folder of assignments in POLHODE_ASSIGNMENTS, else
-    this folder.
+    that of ``exercises``.
 
     Return None if polhode is installed as a package and no such folder is set.
     """
     for named in _named():
         if not (named / "__init__.py").is_file():
             return named
-    here = Path(__file__).parent
+    here = Path(exercises.__path__[0])
     return None if {"site-packages", "dist-packages"} & set(here.parts) else here
 
 
@@ -178,7 +178,7 @@ def find(slug: str) -> Assignment:
 
 @functools.cache
 def load_catalogue() -> Catalogue:
-    """Load each package in this folder and each that POLHODE_ASSIGNMENTS names, or of these the slugs in
+    """Load each package in ``exercises`` and each that POLHODE_ASSIGNMENTS names, or of these the slugs in
     POLHODE_COURSE, in their order. An invalid one does not affect the others.
     """
     loaded = [(slug_of(folder), _load(folder)) for folder in selected()]

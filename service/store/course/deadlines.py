@@ -6,7 +6,7 @@ from datetime import datetime
 from service.store.course import audit
 from service.store.database import Database, Row
 from service.store.people.people import COURSE
-from service.store.submissions.records import FAULTED, OWN_DEADLINE
+from service.store.submissions.records import FAULTED, OWN_DEADLINE, SHOWN, STATUS
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
@@ -45,8 +45,8 @@ async def extensions(database: Database, slug: str) -> Sequence[Row]:
 
 
 async def of_person(database: Database, name: str) -> Sequence[Row]:
-    """Return the row of ``own`` for each assignment, with its ``slug``, ``weight`` and the ``reason`` of the
-    extension, if any.
+    """Return the row of ``own`` for each assignment, with its ``slug``, ``weight``, the ``reason`` of the
+    extension, if any, and the ``status`` of the last submission.
     """
     return await database.rows(_OWN, {"slug": None, "name": name, "course": COURSE})
 
@@ -96,11 +96,15 @@ WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due
 _OWN = f"""
 SELECT x.slug, x.weight, e.reason, until.due_at, coalesce(until.due_at > x.due_at, false) AS extended,
     x.grace_s, x.submission_limit,
-    coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over,
+    coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over, last.status,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id
     AND NOT {FAULTED}) AS used
 FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = %(name)s
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}
+    LEFT JOIN LATERAL (
+        SELECT {STATUS} FROM submission s JOIN {SHOWN}
+        WHERE s.assignment_id = x.id AND s.person_id = p.id ORDER BY s.submitted_at DESC LIMIT 1
+    ) last ON true
 WHERE coalesce(x.slug = CAST(%(slug)s AS text), true) AND c.slug = %(course)s ORDER BY x.due_at, x.slug
 """

@@ -3,7 +3,7 @@
 The submission with the most points after the late penalty counts; of equal ones, the newest.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
@@ -74,6 +74,15 @@ async def rules(database: Database, slug: str) -> Row:
     return await database.one(_OVERVIEW, {"course": COURSE, "slug": slug})
 
 
+async def medians(database: Database) -> Mapping[str, float | None]:
+    """Return by assignment the median over the students who submitted of their best points after the late
+    penalty.
+
+    It is None without a graded submission.
+    """
+    return {row.slug: row.median for row in await database.rows(_MEDIANS, {"slug": None, "person": None})}
+
+
 _STANDINGS = f"""
 WITH sent AS MATERIALIZED ({SENT}), best AS MATERIALIZED ({best("sent")}), history AS (
     SELECT person_id, array_agg(submitted_at ORDER BY submitted_at) AS sent_at,
@@ -125,4 +134,12 @@ FROM assignment x JOIN course c ON c.id = x.course_id
         GROUP BY s.assignment_id
     ) sent ON sent.assignment_id = x.id
 WHERE c.slug = %(course)s AND coalesce(x.slug = CAST(%(slug)s AS text), true) ORDER BY x.due_at, x.slug
+"""
+
+_MEDIANS = f"""
+SELECT x.slug, percentile_cont(0.5) WITHIN GROUP (ORDER BY best.final) AS median FROM (
+    SELECT assignment_id, person_id, max(final) AS final FROM ({SENT}) sent GROUP BY 1, 2
+) best JOIN assignment x ON x.id = best.assignment_id JOIN member m ON m.person_id = best.person_id
+    AND m.course_id = x.course_id
+WHERE m.role = 'student' GROUP BY x.slug
 """

@@ -5,7 +5,7 @@ from urllib.parse import unquote
 import pytest
 
 from polhode.judging.outcome import SweepResult
-from service.cli.output_dir import OutputDir
+from service.cli.grading.report_folder import ReportFolder
 from service.formats import html
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
@@ -59,7 +59,7 @@ def written(rigid_body, sandbox, tmp_path_factory):
             )
         )
     graded.append(GradedFile(file=Path("lost.py"), fault="the guest went away"))
-    out = OutputDir(folder / "out", [g.file for g in graded])
+    out = ReportFolder(folder / "out", [g.file for g in graded])
     for one in graded:
         out.add(one)
     out.write_index(graded, rigid_body)

@@ -246,7 +246,7 @@ def test_the_limit_of_open_files_is_raised_and_leaves_some_for_other_uses():
 
 SERVE = """
 import resource
-from service.cli.serve import serve
+from service.cli.server.serve import serve
 from service.settings import Settings
 resource.setrlimit(resource.RLIMIT_NOFILE, (1024, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
 print(serve(Settings(port={port})), *resource.getrlimit(resource.RLIMIT_NOFILE))

@@ -134,11 +134,11 @@ KIT = [
     ),
     Breakage(
         "verify --write records a time-out as the expectation",
-        "service/cli/verify/comparison.py",
+        "service/cli/authoring/verify/written_samples.py",
         "\n        or _timed_out(graded.report)\n",
         "\n",
         (
-            "tests/service/cli/verify/test_command.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",
+            "tests/service/cli/authoring/verify/test_command.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",
         ),
     ),
     Breakage(

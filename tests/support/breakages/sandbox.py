@@ -43,7 +43,7 @@ SANDBOX = [
         "service/sandbox/sandbox.py",
         "if refusal := self.identity.refusal(self.isolation):",
         "if (refusal := self.identity.refusal(self.isolation)) and not self.identity:",
-        ("tests/service/cli/test_doctor.py::test_a_guest_that_is_root_is_reported_and_refused",),
+        ("tests/service/cli/server/test_doctor.py::test_a_guest_that_is_root_is_reported_and_refused",),
     ),
     Breakage(
         "a guest of root does not get the folders below closed ones",
@@ -368,7 +368,9 @@ SANDBOX = [
         "service/sandbox/guest/claims.py",
         "limited(load, Budget(IMPORT_S))",
         "limited(load, Budget(100 * IMPORT_S))",
-        ("tests/service/cli/verify/test_course.py::test_a_module_that_does_not_end_is_named",),
+        (
+            "tests/service/cli/authoring/verify/test_course_packages.py::test_a_module_that_does_not_end_is_named",
+        ),
     ),
     Breakage(
         "the guest may make up diagnosis codes",

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from service.cli.database import database_url
-from service.cli.demo import free_port
+from service.cli.server.database import database_url
+from service.cli.server.demo import free_port
 from service.grading.submission import Submission
 from service.settings import Settings
 from service.store.queue.overview import regrade
@@ -21,7 +21,7 @@ from tests.support.database import run, sql
 
 RUNNING = "The server is running"
 # A busy machine takes longer to start a server than a visitor would wait.
-PATIENT = "import sys; from service.cli import demo; demo.START_S = 300.0; sys.exit(demo.main())"
+PATIENT = "import sys; from service.cli.server import demo; demo.START_S = 300.0; sys.exit(demo.main())"
 OPEN = "SELECT 1 FROM grading g LEFT JOIN result r ON r.grading_id = g.id WHERE r.grading_id IS NULL LIMIT 1"
 
 

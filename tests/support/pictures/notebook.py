@@ -14,7 +14,7 @@ from pathlib import Path
 from playwright.sync_api import Browser
 
 from polhode.client.build import WHEEL
-from service.cli.demo import free_port
+from service.cli.server.demo import free_port
 from tests.support.pictures.browser import open_page, save
 
 NAME = "my-rigid-body.ipynb"

@@ -8,8 +8,16 @@ import sys
 import pytest
 
 from exercises.authoring.assignments.assignment import InvalidAssignment, NoAssignment
-from exercises.authoring.assignments.catalogue import assignments, find, folders, is_taken, register_folder
+from exercises.authoring.assignments.catalogue import (
+    assignments,
+    default_folder,
+    find,
+    folders,
+    is_taken,
+    register_folder,
+)
 from tests.support.assignments import change, copied, known
+from tests.support.checkout import ROOT
 
 
 @pytest.mark.parametrize("named", ["the folder itself", "the folder it is in"])
@@ -19,6 +27,11 @@ def test_an_assignment_outside_is_found(tmp_path, named):
         assert list(found.valid) == ["rigid-body", "damped-oscillator"] and not found.invalid
         assert find("damped_oscillator").folder == folder
     assert "damped-oscillator" not in assignments()
+
+
+def test_a_new_assignment_belongs_beside_those_of_the_checkout():
+    with known():
+        assert default_folder() == ROOT / "exercises"
 
 
 def test_an_assignment_named_alone_brings_no_neighbour(tmp_path):

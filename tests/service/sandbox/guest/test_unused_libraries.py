@@ -10,7 +10,6 @@ import pytest
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.guest.zygote import NEEDED
-from service.sandbox.guest_process import GuestProcess
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
@@ -124,8 +123,7 @@ def job(source):
 @pytest.fixture(scope="module")
 def unused(sandbox):
     """A sandbox whose guest imports libraries when a submission uses them, for submissions that do not."""
-    guest = GuestProcess(sandbox.isolation.command, sandbox.isolation.environment, libraries=False)
-    without = Sandbox(sandbox.isolation, first=guest)
+    without = Sandbox(sandbox.isolation, libraries=False)
     yield without
     without.close()
 

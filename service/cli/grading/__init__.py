@@ -1,0 +1,1 @@
+"""Commands that grade files without a server, also within other systems."""

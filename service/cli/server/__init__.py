@@ -1,0 +1,1 @@
+"""Commands that run a course's server and act on its database."""

@@ -38,7 +38,8 @@ class Stopped(Exception):
 
 class Cells:
     """The cells of a job, run in the namespace ``module`` after its Setup. ``shows`` is the source of the
-    last cell that showed an animation.
+    last cell that showed an animation, ``names_shown`` what the module's names were then: later cells may
+    give them other values.
 
     Names in ``fixed`` keep their values, whatever the cells assign to them; that is kept in ``replaced``.
     """
@@ -57,7 +58,7 @@ class Cells:
         if first.endswith(".py"):  # a notebook has no __file__
             self._names["__file__"] = first
         os.system = run_command
-        self.shows = ""
+        self.shows, self.names_shown, self._shown = "", Names(), list[Any]()
 
     def run(self, recorder: Recorder) -> None:
         """Run all cells in order and report those that fail. A failure does not stop the next cell.
@@ -86,6 +87,7 @@ class Cells:
 
     def _run(self, piece: str, name: str, recorder: Recorder, *, published: bool) -> None:
         before, failed = animate.shown[:], len(self.statements.failures)
+        self._shown = before
         self.statements.cell = name
         self.statements.goes_on = recorder.has_raised if published else lambda error: False
         # a submission can change how IPython reads and runs a cell
@@ -165,6 +167,7 @@ class Cells:
         """Yield the statements that run, until their time is spent. A displayed animation is shown."""
         for attempt in self.statements.run(nodes):
             yield attempt
+            self._keep_shown()
             end_if_full()
             self._replaced |= {
                 name: self._names[name]
@@ -184,3 +187,9 @@ class Cells:
             return
         if isinstance(value, sys.modules["matplotlib.animation"].Animation):
             animate.shown[:] = [value]
+            self._keep_shown()
+
+    def _keep_shown(self) -> None:
+        """Keep the names and their values if an animation has been shown."""
+        if animate.shown != self._shown:
+            self._shown, self.names_shown = animate.shown[:], dict(self._names)

@@ -122,7 +122,8 @@ def _run(
             cells.run(recorder)
     except Stopped:
         return
-    student |= _adopt(plays, [scene["question"] for scene in job["scenes"]], student, cells.shows)
+    questions = [scene["question"] for scene in job["scenes"]]
+    student |= _adopt(plays, questions, student | cells.names_shown, cells.shows)
     names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
     missing = cells.missing(job["functions"])
     write.event("defined", names=names, missing=missing, claims_left_out=recorder.left_out)

@@ -16,6 +16,7 @@ from polhode.animation import animate
 from polhode.animation.artists import Drawn, drawn, labelled, painted, unordered
 from polhode.animation.axes_decoration import decorated_once
 from polhode.animation.visibility import Visibility, differ
+from polhode.judging.notes import remark
 from polhode.judging.return_value import WrongAnswer
 
 FRAME_CAP = 600
@@ -35,7 +36,8 @@ def unchanged() -> None:
 
 
 def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
-    """Return what ``watch`` records of the animation that ``draw`` returns, or else shows, saves or renders.
+    """Return what ``watch`` records of the animation that ``draw`` returns, alone or with other values, or
+    else shows, saves or renders.
 
     ``cost`` (6,) ends with 1 if ``draw`` stopped at a file, which the sandbox does not have: the animation
     that it had made is recorded then. Raises WrongAnswer as ``watch`` does, and if matplotlib cannot draw
@@ -54,6 +56,10 @@ def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
         anim, unkept = animate.made[0], True
     if not isinstance(anim, Animation) and animate.shown:
         anim = animate.shown[-1]
+    among = [one for one in anim if isinstance(one, Animation)] if isinstance(anim, list | tuple) else []
+    if len(among) == 1:
+        (anim,) = among
+        remark("the function returns the animation among other values: return it alone")
     checked()
     try:
         seen = recorder(anim, seconds)

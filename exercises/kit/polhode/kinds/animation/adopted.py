@@ -1,9 +1,11 @@
 """The animation of a symmetric top that a notebook's cell shows, in place of the function that is asked for.
 
-That cell, or a function it calls, names attitudes R (n, 3, 3) whose ê₃ runs on a circle, or that ê₃. Their
-times and the moments may be anywhere in the notebook; names of the cell come first.
+That cell, a function it calls, or the one that draws its frames names attitudes R (n, 3, 3) whose ê₃ runs
+on a circle, or that ê₃. Their times and the moments may be anywhere in the notebook; names of the cell come
+first.
 """
 
+import inspect
 import re
 import types
 from collections.abc import Mapping
@@ -42,7 +44,12 @@ def adopt(function: str, student: Mapping[str, Any], source: str) -> dict[str, F
     called = (student.get(name) for name in tuple(mentioned))
     for one in [one for one in called if isinstance(one, types.FunctionType)]:
         mentioned |= _names(one.__code__)
-    numbers = {name: _numbers(value) for name, value in student.items() if not name.startswith("_")}
+    drawing = getattr(animate.shown[-1], "_func", None)  # of an animation made inside a function
+    drawing = getattr(drawing, "func", drawing)  # matplotlib has a functools.partial
+    held = inspect.getclosurevars(drawing).nonlocals if isinstance(drawing, types.FunctionType) else {}
+    mentioned |= held.keys()
+    values = {**student, **held}
+    numbers = {name: _numbers(value) for name, value in values.items() if not name.startswith("_")}
     arrays = {name: array for name, array in numbers.items() if array is not None}
     named = [arrays[name] for name in sorted(arrays, key=lambda name: name not in mentioned)]
     used = [array for name, array in arrays.items() if name in mentioned]

@@ -20,6 +20,7 @@ INVISIBLE = (
     " width"
 )
 NOTHING = "nothing drawn moves but text: does update change lines, arrows, polygons or markers?"
+PIXELS = "the picture is painted as pixels, and nothing else that moves shows {name}"
 INCONSISTENT = "the returned arrays do not fit together"
 
 
@@ -68,10 +69,10 @@ def judged(
         len(seen["at"]),
     )
     if not any(picture.paths for picture in drawn):
-        code = "static" if (any(picture.still for picture in drawn) or invisible) and not painted else None
-        return dict.fromkeys(
-            names, Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING)
-        )
+        if painted:
+            return {name: Shown(None, None, PIXELS.format(name=name)) for name in names}
+        code = "static" if any(picture.still for picture in drawn) or invisible else None
+        return dict.fromkeys(names, Shown(False, code, INVISIBLE if invisible else NOTHING))
     if frames < LEAST_FRAMES:
         return dict.fromkeys(
             names, Shown(False, "wrong-frames", f"too short to show the motion: {frames} frames")
@@ -80,11 +81,7 @@ def judged(
     for name in (name for name in names if not found[name].found):
         unseen = "; artists that cannot be seen do not count" if invisible else ""
         if painted:
-            found[name] = Shown(
-                None,
-                None,
-                f"the picture is painted as pixels, and nothing else that moves shows {name}{unseen}",
-            )
+            found[name] = Shown(None, None, PIXELS.format(name=name) + unseen)
         elif found[name].found is False and changes <= RARELY * min(frames, n):
             sentence = (
                 f"the drawing changes at only {changes} of {frames} frames: is each frame drawn from its own"

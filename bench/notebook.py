@@ -11,8 +11,8 @@ import statistics
 import time
 
 from exercises.authoring.assignments.catalogue import find
+from service.grading.figures.rendering import pack
 from service.grading.grader import Grader
-from service.grading.rendering import pack
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose

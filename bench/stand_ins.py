@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from exercises.authoring.assignments.catalogue import assignments
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.grader import SweepFailed
 from service.grading.submission import Submission

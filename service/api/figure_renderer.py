@@ -11,7 +11,7 @@ from weakref import WeakValueDictionary
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.api.separate_process import ProcessLost, SeparateProcess
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.sandbox.result import SystemFault
 from service.store.submissions.records import SubmissionRecord
 

@@ -9,8 +9,8 @@ from fastapi import APIRouter, Request, Response
 
 from service.api.figure_renderer import Renderer, RenderFailed
 from service.api.submissions import Submission, find_assignment, report_of
-from service.grading.rendering import FORMATS
-from service.grading.rendering import find as find_figure
+from service.grading.figures.rendering import FORMATS
+from service.grading.figures.rendering import find as find_figure
 from service.grading.result import ARRAYS
 from service.http.errors import Problem
 from service.http.live import Listener

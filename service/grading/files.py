@@ -12,7 +12,7 @@ from exercises.authoring.assignments import validation
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import SweepResult
 from polhode.notebook.outputs import is_notebook
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grade import Graded, UnknownExercise, select
 from service.grading.grader import Grader, SweepFailed
 from service.grading.result import GradedFile

@@ -13,14 +13,14 @@ from polhode.judging.claims import Claim, NotebookCheck
 from polhode.judging.exercise import Exercise, attempted
 from polhode.report.cause import suspect_lines
 from polhode.report.report import Provenance, Report, pictures
-from service.grading import reproduction
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used
-from service.grading.diagnosing import diagnose
+from service.grading.diagnosis import reproduction
+from service.grading.diagnosis.diagnosing import diagnose
 from service.grading.jobs import draw_inputs, job_of
 from service.grading.judging import judge
-from service.grading.loops import claims_of_solution
 from service.grading.playing import OnProgress, play_job
+from service.grading.published.loops import claims_of_solution
 from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox

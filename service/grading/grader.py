@@ -9,13 +9,13 @@ from exercises.authoring.assignments.sweep import compared
 from polhode.judging.outcome import SweepResult
 from polhode.report.document import document
 from polhode.report.report import Report
-from service.grading import rendering
 from service.grading.author_errors import author_errors, find_assignment
+from service.grading.diagnosis.reproduction import LIMITS
+from service.grading.figures import rendering
 from service.grading.grade import Graded, grade
 from service.grading.jobs import job_of, truth
-from service.grading.loops import has_loops
 from service.grading.playing import OnProgress, play
-from service.grading.reproduction import LIMITS
+from service.grading.published.loops import has_loops
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget

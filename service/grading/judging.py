@@ -10,7 +10,7 @@ from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
 from polhode.judging.notes import Absent, unsaid
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome
-from service.grading.diagnosing import Causes, diagnose_failure
+from service.grading.diagnosis.diagnosing import Causes, diagnose_failure
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult
 

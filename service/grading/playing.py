@@ -13,7 +13,7 @@ from polhode.judging.outcome import Ended, SceneEnd
 from service.grading.afresh import compare_afresh
 from service.grading.author_errors import fault
 from service.grading.jobs import truth
-from service.grading.loops import Claims
+from service.grading.published.loops import Claims
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import OnScene, PlayResult, ignore
 from service.sandbox.sandbox import Sandbox

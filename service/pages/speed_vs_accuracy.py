@@ -8,8 +8,8 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from service.auth.roles import OptionalUser
-from service.grading import charts
-from service.grading.chart_drawing import draw
+from service.grading.figures import charts
+from service.grading.figures.chart_drawing import draw
 from service.http.errors import Problem
 from service.http.templating import templates
 

@@ -23,7 +23,8 @@ from service.api.release import visible_row
 from service.api.submissions import Submission
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
-from service.grading import motion_data, rendering, result
+from service.grading import result
+from service.grading.figures import motion_data, rendering
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates

@@ -14,7 +14,7 @@ from exercises.integrators import assignment as author
 from polhode.kinds import play
 from polhode.kinds import stepper as kit
 from polhode.kinds.asking import expression
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grader import Grader
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged

@@ -29,7 +29,7 @@ PLANTED = (
 )
 NEEDED = (
     "service/pages/templates/account.html",
-    "service/grading/measured/reference.json",
+    "service/grading/figures/measured/reference.json",
     "exercises/rigid_body/notebook.ipynb",
     "exercises/rigid_body/course/ecp/validate.py",
 )

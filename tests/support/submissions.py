@@ -9,7 +9,7 @@ import uuid
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.grading import grade as core
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.submission import Submission
 from service.store.queue import runs
 from service.store.submissions.accepting import accept

@@ -20,8 +20,8 @@ from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import MARKS
 from polhode.report.report import Report
-from service.grading import reproduction
 from service.grading.batch import grade_files
+from service.grading.diagnosis import reproduction
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile
 from service.sandbox.select import choose

@@ -15,8 +15,8 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from service.cli.arguments import count
 from service.cli.errors import CommandError
+from service.grading.diagnosis.reproduction import play_variants
 from service.grading.jobs import draw_inputs, job_of
-from service.grading.reproduction import play_variants
 from service.grading.submission import Submission
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox

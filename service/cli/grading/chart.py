@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from service.cli.errors import CommandError
-from service.grading import charts
+from service.grading.figures import charts
 
 
 def add_chart(parser: argparse.ArgumentParser) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.result import SystemFault, ignore

@@ -6,9 +6,10 @@ from dataclasses import replace
 import pytest
 
 from polhode.report.document import document
-from service.grading import grader, rendering
+from service.grading import grader
+from service.grading.diagnosis.reproduction import LIMITS
+from service.grading.figures import rendering
 from service.grading.grader import Grader, SweepFailed
-from service.grading.reproduction import LIMITS
 from service.grading.submission import Submission
 from service.sandbox.isolation import process_isolation
 from service.sandbox.result import SystemFault

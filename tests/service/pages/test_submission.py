@@ -16,7 +16,7 @@ import pytest
 
 from exercises.authoring.assignments import validation
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
-from service.grading import motion_data, rendering
+from service.grading.figures import motion_data, rendering
 from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT
 from service.pages.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference, marks

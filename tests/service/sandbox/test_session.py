@@ -11,7 +11,7 @@ import pytest
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
 from polhode.report.document import document
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.job import RUN_AGAIN, Job

@@ -151,8 +151,8 @@ PHYSICS = [
     Breakage(
         "a drawing in which nothing moves is not judged",
         "exercises/kit/polhode/kinds/animation/shown.py",
-        "Shown(None if painted else False, code,",
-        "Shown(None, code,",
+        "Shown(False, code, INVISIBLE if invisible else NOTHING)",
+        "Shown(None, code, INVISIBLE if invisible else NOTHING)",
         ("tests/exercises/kit/polhode/kinds/animation/body/test_comparing.py",),
     ),
     Breakage(
@@ -187,10 +187,10 @@ PHYSICS = [
     ),
     Breakage(
         "a slip of sign gets another diagnosis code",
-        "service/grading/readings.py",
+        "service/grading/diagnosis/readings.py",
         'return "sign-reversed" if whole else "sign-flipped", f',
         'return "constant-factor", f',
-        ("tests/service/grading/test_readings.py",),
+        ("tests/service/grading/diagnosis/test_readings.py",),
     ),
     Breakage(
         "a motion that is right where it is integrated passes without its bound",

@@ -8,7 +8,7 @@ from exercises.authoring.kinds.ode import ode
 from exercises.authoring.questions.author import Tolerance, uniform
 from exercises.authoring.questions.question_errors import question_errors
 from polhode.judging.author_errors import AuthorError
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.grader import Grader
 from service.grading.submission import Submission

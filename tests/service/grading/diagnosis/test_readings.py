@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from service.grading.readings import (
+from service.grading.diagnosis.readings import (
     constant_factor,
     extra_term,
     factor_in_words,

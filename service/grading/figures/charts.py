@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from service.grading.chart_drawing import COLORS, GHOST, Chart, Curve, draw
+from service.grading.figures.chart_drawing import COLORS, GHOST, Chart, Curve, draw
 from service.grading.grade import versions
 
 MEASURED = Path(__file__).parent / "measured" / "reference.json"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.grading.quoting import StudentCode
+from service.grading.diagnosis.quoting import StudentCode
 
 STUDENT = StudentCode(["import numpy as np\n", "def speed(t, k):\n    return np.tanh(t) + k * t\n"], "speed")
 

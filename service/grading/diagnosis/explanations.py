@@ -18,8 +18,8 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
 from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
-from service.grading.quoting import StudentCode
-from service.grading.readings import (
+from service.grading.diagnosis.quoting import StudentCode
+from service.grading.diagnosis.readings import (
     constant_factor,
     extra_term,
     factor_in_words,

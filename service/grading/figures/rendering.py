@@ -15,9 +15,9 @@ from polhode.judging.exercise import Figure
 from polhode.judging.outcome import SweepResult
 from polhode.report import drawing
 from polhode.report.document import read
-from service.grading import chart_card
 from service.grading.author_errors import author_errors, find_assignment
-from service.grading.chart_drawing import draw as draw_chart
+from service.grading.figures import chart_card
+from service.grading.figures.chart_drawing import draw as draw_chart
 from service.grading.grade import Graded
 from service.grading.jobs import draw_inputs, truth
 from service.grading.result import ARRAYS

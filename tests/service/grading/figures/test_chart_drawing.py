@@ -7,8 +7,8 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from service.grading import chart_drawing
-from service.grading.chart_drawing import (
+from service.grading.figures import chart_drawing
+from service.grading.figures.chart_drawing import (
     BOTTOM,
     GAP,
     HIGH,

@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from polhode.report.drawing import contact_sheet
-from service.grading import rendering
+from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

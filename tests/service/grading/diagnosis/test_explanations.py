@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exercises.authoring.mutants.solution import Variant
-from service.grading.explanations import causes, components, diagnoses, wrong_components
-from service.grading.quoting import StudentCode
+from service.grading.diagnosis.explanations import causes, components, diagnoses, wrong_components
+from service.grading.diagnosis.quoting import StudentCode
 
 TOLERANCE = {"rtol": 1e-9, "atol": 0.0, "reason": "rounding"}
 CODE = StudentCode([], "force")

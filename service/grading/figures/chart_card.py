@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from polhode.judging.outcome import SweepResult, SweptPoint
-from service.grading.chart_drawing import COLORS, GHOST, Chart, Curve
+from service.grading.figures.chart_drawing import COLORS, GHOST, Chart, Curve
 
 DOUBLE, SINGLE = 2.0**-52, 2.0**-23
 NOTEBOOKS = ("DOP853", 1e-11)

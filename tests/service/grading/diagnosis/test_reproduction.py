@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.authoring.assignments.catalogue import find
-from service.grading import reproduction
+from service.grading.diagnosis import reproduction
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.time_budget import TimeLimits

@@ -17,8 +17,8 @@ from exercises.authoring.mutants.solution import Variant
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, reproduces
-from service.grading.diagnosing import with_scenes
-from service.grading.explanations import (
+from service.grading.diagnosis.diagnosing import with_scenes
+from service.grading.diagnosis.explanations import (
     WHOLE,
     Cause,
     Component,
@@ -27,9 +27,9 @@ from service.grading.explanations import (
     diagnoses,
     wrong_components,
 )
+from service.grading.diagnosis.quoting import StudentCode
+from service.grading.diagnosis.readings import in_general, unrepeatable
 from service.grading.playing import PlayedJob
-from service.grading.quoting import StudentCode
-from service.grading.readings import in_general, unrepeatable
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import TooBusy
 from service.sandbox.sandbox import Sandbox

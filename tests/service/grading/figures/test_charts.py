@@ -6,8 +6,8 @@ import re
 import pytest
 
 from service.cli.__main__ import main
-from service.grading import charts
-from service.grading.chart_drawing import draw
+from service.grading.figures import charts
+from service.grading.figures.chart_drawing import draw
 from tests.support.asgi import visit
 
 DOCUMENT = charts.load()

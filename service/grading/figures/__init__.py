@@ -1,0 +1,1 @@
+"""Pictures and data of graded submissions: figures, charts of speed, animated motions."""

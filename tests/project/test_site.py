@@ -21,7 +21,10 @@ from tests.support import doc_commands
 from tests.support.checkout import ROOT
 
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
-QUICK_STARTS, TUTORIALS = sorted((ROOT / "docs/start").iterdir()), sorted((ROOT / "docs/tutorials").iterdir())
+QUICK_STARTS, TUTORIALS = (
+    sorted((ROOT / "docs/start").iterdir()),
+    sorted((ROOT / "docs/tutorials").glob("*.md")),
+)
 WITH_SERVER = {"student", "instructor"}
 
 

@@ -10,7 +10,9 @@ from tests.support.checkout import ROOT
 
 SETUP_PAGE = ROOT / "docs/authors.md"
 PAGES = sorted(
-    page for page in (ROOT / "docs/authors").glob("*.md") if "@notebook.exercise" in page.read_text()
+    page
+    for page in (ROOT / "docs/authors").glob("*.md")
+    if "from exercises.authoring import" in page.read_text()
 )
 GIVEN = re.compile(r"\w+ = [\d.]+\n")
 """A given cell: one constant."""

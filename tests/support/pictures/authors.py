@@ -1,4 +1,4 @@
-"""The pictures of docs/authors/: the report of the first mistake of each page's example, as a notebook shows it."""
+"""The pictures of docs/authors/: a notebook's report of the first mistake of each page's example."""
 
 from collections.abc import Iterator
 from dataclasses import replace

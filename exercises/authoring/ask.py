@@ -406,8 +406,8 @@ class Ask:
     def cell(
         self, variables: str | Sequence[str], *, given: str | Sequence[str] = "", share: float = 1.0
     ) -> AskedCell:
-        """Ask for the ``variables`` that a solution cell assigns. ``given`` are constants of the notebook that
-        the truths take.
+        """Ask for the ``variables`` that a solution cell assigns. ``given`` are constants of the notebook,
+        which the truths take.
         """
         line = sys._getframe(1).f_lineno
         names = _names(variables)

@@ -117,6 +117,12 @@ def test_an_error_that_the_declaration_shows_costs_no_grading(folder, old, new, 
     assert error.startswith(message)
 
 
+def test_a_package_that_the_setup_lacks_is_to_be_declared(folder, sandbox):
+    change(folder / "notebook.ipynb", "import numpy as np", "import numpy as np\\nimport iniconfig")
+    with pytest.raises(SystemFault, match="'iniconfig': name the distribution that has it in packages="):
+        graded(folder, sandbox)
+
+
 def test_an_error_in_a_figure_is_a_fault_with_file_and_line(folder, sandbox):
     change(folder / "shown.py", '["value"][0])', '["value"][40])')
     with known(folder) as catalogue:

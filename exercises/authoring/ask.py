@@ -323,10 +323,12 @@ class Ask:
         mistakes_of: Asked | None = None,
         share: float = 1.0,
     ) -> Asked:
-        """Ask for a sympy expression, or a matrix or tuple of them, that a function returns.
+        """Ask for a sympy expression, or a matrix or tuple of them, that a function returns; or for one that
+        a cell assigns to the variable ``name``, whose symbols are known by their names.
 
         Its inputs are symbols (``symbol``), constants and draws. The truth gets numbers for the symbols.
         """
+        is_variable = self._solutions.is_variable(name)
         return self._asked(
             expression,
             name,
@@ -335,6 +337,7 @@ class Ask:
             share,
             label=label,
             alike=mistakes_of,
+            **({"variable": name} if is_variable else {}),
         )
 
     def animation(
@@ -443,7 +446,10 @@ class Ask:
         ``options`` are arguments of the kind that do not depend on the case.
         """
         line = sys._getframe(2).f_lineno
-        solution = self._found(self._solutions.function, name, line)
+        if "variable" in options:
+            solution = self._found(self._solutions.cell, (name,), line)
+        else:
+            solution = self._found(self._solutions.function, name, line)
         asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial, label, alike)
         self.asked.append(asked)
         return asked

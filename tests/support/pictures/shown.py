@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+from tests.support import author_pages
 from tests.support.checkout import ROOT
 
 KIT = (
@@ -36,6 +37,9 @@ def present(name: str, root: Path = ROOT) -> str:
         for file in sorted(path for path in root.glob(pattern) if path.is_file()):
             content = file.read_bytes()
             digest.update(f"{file.relative_to(root)}\0{len(content)}\0".encode() + content)
+    page = (root / name).with_suffix(".md")
+    if name.startswith("docs/authors/") and page.exists():
+        digest.update("".join(author_pages.blocks(page, "python")).encode())  # whose report it is
     return digest.hexdigest()[:16]
 
 

@@ -1,11 +1,11 @@
 """The pages docs/authors/*.md as assignments: their Python blocks are solution cells and an assignment.py."""
 
-import json
 import re
 from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.samples import Sample
+from tests.support.author_notebooks import solved
 from tests.support.checkout import ROOT
 
 SETUP_PAGE = ROOT / "docs/authors.md"
@@ -37,7 +37,7 @@ def write(page: Path, into: Path) -> Path:
     (name,) = re.findall(r'Notebook\("([\w.]+)"', text)
     (folder / "assignment.py").write_text(text)
     numbers = re.findall(r'@notebook\.exercise\("(\w+)"', text)
-    (folder / name).write_text(_notebook(_title(page), setup, numbers, solutions))
+    (folder / name).write_text(solved(_title(page), setup, numbers, solutions, GIVEN))
     return folder
 
 
@@ -48,21 +48,3 @@ def _title(page: Path) -> str:
 def wrong_samples(assignment: Assignment) -> list[Sample]:
     """Return the samples of the declared mistakes, in order."""
     return [sample for sample in assignment.made_samples() if sample.name.startswith("wrong_")]
-
-
-def _notebook(title: str, setup: str, numbers: list[str], solutions: list[str]) -> str:
-    texts = [f"# {title}", "## Setup", *(f"## Exercise {number}: {title}" for number in numbers)]
-    cells = [{"cell_type": "markdown", "metadata": {}, "source": text} for text in texts]
-    cells.insert(2, _code(setup, []))
-    cells += [_code(text, [] if GIVEN.fullmatch(text) else ["solution"]) for text in solutions]
-    return json.dumps({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 4})
-
-
-def _code(text: str, tags: list[str]) -> dict[str, object]:
-    return {
-        "cell_type": "code",
-        "metadata": {"tags": tags},
-        "source": text.strip(),
-        "outputs": [],
-        "execution_count": None,
-    }

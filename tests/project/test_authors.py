@@ -122,3 +122,10 @@ def test_the_report_that_the_tutorial_quotes_is_that_of_its_commands(sandbox):
     with known(KEPLER) as found:
         report = grade(Submission(source), found.valid["kepler"], sandbox, 1).report
     assert quoted in report.text()
+
+
+def test_a_mistake_that_a_later_exercise_declares_is_a_sample(tmp_path):
+    page = ROOT / "docs/authors/right-hand-sides.md"
+    with known(author_pages.write(page, tmp_path)) as found:
+        names = [sample.name for sample in author_pages.wrong_samples(found.valid[page.stem])]
+    assert names == [f"wrong_{number}_1_sign_flipped.py" for number in (1, 2, 3)]

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from docs import authored
 from exercises.authoring.assignments.catalogue import load_catalogue
 from service.app import create_app
 from service.cli.__main__ import COMMANDS, add_arguments
@@ -36,9 +37,9 @@ def main() -> int:
 def stage(folder: Path) -> None:
     """Write every page of the site as Markdown into ``folder``, in place of what is there."""
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(
-        ROOT / "docs", folder, ignore=shutil.ignore_patterns("*.py", "pictures.json", "__pycache__")
-    )
+    shutil.copytree(ROOT / "docs", folder, ignore=shutil.ignore_patterns("pictures.json", "__pycache__"))
+    for program in folder.glob("*.py"):
+        program.unlink()
     for name, page in BESIDE.items():
         text = (ROOT / name).read_text(encoding="utf-8")
         (folder / page).write_text(re.sub(r"\]\(docs/", "](", text), encoding="utf-8")
@@ -74,8 +75,8 @@ def reference_pages() -> dict[str, str]:
         "diagnoses": diagnoses(),
         "physics": modules("The package `reference`", PHYSICS, ROOT / "reference"),
         "kit": modules("The students' kit `polhode`", KIT, ROOT / "exercises/kit/polhode", KIT_MODULES),
-        "author": modules(
-            "The package `exercises.authoring.questions.author`", AUTHOR, ROOT / "exercises", AUTHOR_MODULES
+        "author": "\n".join(
+            ["# The package `exercises.authoring`", "", GENERATED, *authored.lines(text), ""]
         ),
     }
 
@@ -89,20 +90,12 @@ KIT = (
     "What a notebook imports. [For students](../students.md) explains the calls; this page has every"
     " function."
 )
-AUTHOR = "What `assignment.py` imports. [For course authors](../authors.md) explains it with examples."
 KIT_MODULES = (
     *(f"client/{name}" for name in ("local", "remote", "past_submissions", "identity", "course")),
-    *(f"judging/{name}" for name in ("validate", "checks")),
+    *(f"judging/{name}" for name in ("checks", "claims")),
     "report/figure_parts",
     "animation/animate",
 )
-AUTHOR_MODULES = (
-    "author",
-    "declared",
-    "assignment",
-    *(f"kinds/{kind}" for kind in ("values", "ode", "stepper", "random")),
-)
-AUTHOR_MODULES += tuple(f"kinds/{kind}" for kind in ("variables", "expression", "fit", "animation"))
 
 
 def cli() -> str:
@@ -257,6 +250,11 @@ def diagnoses() -> str:
     for code, meaning in dict(meanings).items():
         parts += [f"## {code}", "", meaning, "", *sentences.get(code, []), ""]
     return "\n".join(parts)
+
+
+def author() -> str:
+    """Return the public names of authoring, and the methods of what they give."""
+    return "\n".join(["# The package `exercises.authoring`", "", GENERATED, *authored.lines(text), ""])
 
 
 def modules(title: str, about: str, package: Path, names: Sequence[str] | None = None) -> str:

@@ -1,4 +1,4 @@
-"""What an author writes an ``assignment.py`` with: see docs/authors.md."""
+"""What an author writes an ``assignment.py`` with: see docs/authors.md and docs/authors/."""
 
 from exercises.authoring.ask import Ask
 from exercises.authoring.draws import (

@@ -9,6 +9,7 @@ from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.draws import JointDraw, between
+from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.kinds.animation import animation, body_animation
 from exercises.authoring.kinds.expression import expression
 from exercises.authoring.kinds.fit import fit
@@ -30,7 +31,8 @@ class Ask:
     Every method takes ``inputs``, a joint draw for the parameters; other inputs are those of cases. ``share``
     is the question's share of the exercise's points. ``label`` stands for "NAME is right" in the labels of
     checks, or for NAME in those of random output. ``mistakes_of`` is an earlier question about the same
-    solution, whose mistakes are mistakes of this one too.
+    solution, whose mistakes are mistakes of this one too. All calls for one scene may take ``budget_s`` of
+    CPU time.
     """
 
     def __init__(
@@ -39,6 +41,7 @@ class Ask:
         self._solutions, self._partial = solutions, partial
         self._earlier: dict[str, AskedDynamics] = {} if earlier is None else earlier
         self.asked: list[Asked | AskedCell | AskedAgain] = []
+        self.lines: list[Line] = []
 
     def function(
         self,
@@ -254,7 +257,10 @@ class Ask:
         """Ask for an estimate whose expected value is the truth, nearly normally distributed with the
         standard deviation ``sd``, a number or a function of the inputs.
 
-        ``error``, ``mean_error`` and ``bias`` are those of ``exercises.authoring.kinds.random.estimate``.
+        Mean and spread of the ``repetitions`` are tested against both. With ``error`` the function returns an
+        estimate and its error: the root mean square of error/sd - 1 is at most the limit of that tolerance,
+        for N samples in an estimate at least 5/√N. ``mean_error`` limits the relative deviation of the mean
+        of all returned errors from sd. ``bias`` is a systematic error that is allowed.
         """
         return self._asked(
             estimate,
@@ -286,8 +292,11 @@ class Ask:
         share: float = 1.0,
         budget_s: float = 10.0,
     ) -> Asked:
-        """Ask for a fit of ``model(x, *parameters)`` to data with normal noise ``sigma``: its parameters and
-        their covariance, whose tolerances are relative to the standard deviations of the parameters.
+        """Ask for a fit of ``model``, called with ``x`` and parameters, to data with normal noise ``sigma``.
+
+        The parameters of the data are ``drawn``, by their names in the model. The tolerances of the fitted
+        ``parameters`` and of their ``covariance`` are relative to the standard deviations of the parameters.
+        ``absolute_sigma`` is that of ``scipy.optimize.curve_fit``.
         """
         return self._asked(
             fit,
@@ -314,11 +323,12 @@ class Ask:
         mistakes_of: Asked | None = None,
         share: float = 1.0,
     ) -> Asked:
-        """Ask for a sympy expression, or a matrix or tuple of them, that a function returns.
+        """Ask for a sympy expression, or a matrix or tuple of them, that a function returns; or for one that
+        a cell assigns to the variable ``name``, whose symbols are known by their names.
 
-        Its inputs are symbols (``exercises.authoring.kinds.expression.symbol``), constants and draws. The
-        truth gets numbers for the symbols.
+        Its inputs are symbols (``symbol``), constants and draws. The truth gets numbers for the symbols.
         """
+        is_variable = self._solutions.is_variable(name)
         return self._asked(
             expression,
             name,
@@ -327,6 +337,7 @@ class Ask:
             share,
             label=label,
             alike=mistakes_of,
+            **({"variable": name} if is_variable else {}),
         )
 
     def animation(
@@ -374,7 +385,9 @@ class Ask:
         ``attitude``, and the angular ``momentum`` in space or the half edges of a ``box``, by their names.
 
         Something drawn must follow the body ``axis``, or for None any points of the body, and what is drawn
-        along L must stay. See ``exercises.authoring.kinds.animation.body_animation``.
+        along L must stay. An animation of a symmetric top that a cell shows is accepted in place of the
+        function: its ``moments`` are among the notebook's numbers, or are these. ``title`` and ``sheet`` are
+        those of the contact sheet, ``scene`` is the scene's name.
         """
         asked = self._asked(
             body_animation,
@@ -396,14 +409,24 @@ class Ask:
     def cell(
         self, variables: str | Sequence[str], *, given: str | Sequence[str] = "", share: float = 1.0
     ) -> AskedCell:
-        """Ask for variables that a solution cell assigns. ``given`` are constants of the notebook that the
-        truths take.
+        """Ask for the ``variables`` that a solution cell assigns. ``given`` are constants of the notebook,
+        which the truths take.
         """
         line = sys._getframe(1).f_lineno
         names = _names(variables)
         asked = AskedCell(self._found(self._solutions.cell, names, line), line, share, names, _names(given))
         self.asked.append(asked)
         return asked
+
+    def line(self, label: str, *, truth: Any = None, trust: bool = False, points: int = 1) -> None:
+        """Take over a line that a validation cell of the notebook prints, by its ``label`` as the cell writes
+        it; the expressions of an f-string stay in braces.
+
+        The line carries no ``points`` until ``truth`` is the exact value, or a function without parameters
+        that computes it, with which ``validate.close`` then compares; or until ``trust=True`` accepts what
+        the student's code reports.
+        """
+        self.lines.append(Line(label, truth, trust, points, sys._getframe(1).f_lineno))
 
     def _asked(
         self,
@@ -423,7 +446,10 @@ class Ask:
         ``options`` are arguments of the kind that do not depend on the case.
         """
         line = sys._getframe(2).f_lineno
-        solution = self._found(self._solutions.function, name, line)
+        if "variable" in options:
+            solution = self._found(self._solutions.cell, (name,), line)
+        else:
+            solution = self._found(self._solutions.function, name, line)
         asked = Asked(solution, line, share, kind, options, inputs, returned, self._partial, label, alike)
         self.asked.append(asked)
         return asked

@@ -220,5 +220,5 @@ class AskedAgain(AskedSolution, Motions):
     def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:
         """Return the question with the checks of this exercise."""
         (first,) = self.first.questions(uses)
-        asked = replace(first, role=self.role, sweep=None, mistakes=(), line=self.line)
+        asked = replace(first, role=self.role, sweep=None, mistakes=tuple(self.mistakes), line=self.line)
         return [self._driven(asked, points=self.first.points, again=True)]

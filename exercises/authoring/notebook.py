@@ -47,10 +47,11 @@ class DeclaredExercise:
 
 
 class Notebook:
-    """One notebook's assignment. ``title`` is by default the first heading of the notebook.
+    """The assignment about one ``notebook``, a file beside the declaration.
 
-    ``packages``, ``data``, ``cpu_s`` and ``load_s`` are those of
-    ``exercises.authoring.assignments.assignment.Assignment``.
+    ``title`` is by default the first heading of the notebook. Reports name the ``version``. ``packages`` are
+    distributions that submissions import besides numpy, scipy and matplotlib, ``data`` files of the folder
+    that they read. A grading may use ``cpu_s`` of CPU time, and each cell ``load_s``.
     """
 
     def __init__(
@@ -150,6 +151,7 @@ class Notebook:
                 exercise.number,
                 exercise.title or _heading(cells, exercise.number) or "",
                 *(question for several in questions for question in several),
+                *ask.lines,
             )
             sound = not any(question.wrong for several in questions for question in several)
             if exercise.points is not None and sound and len(questions) == len(ask.asked):
@@ -168,7 +170,9 @@ class _WithGivenCells(author.Notebook):
     """A notebook whose Setup contains the constants of given cells behind it."""
 
     def setup_of(self, cells: list[Cell], names: list[str]) -> str:
-        """Return the Setup."""
+        """Return the Setup. Where published cells run as they are, it has none of their constants."""
+        if any(section.lines for section in self.sections):
+            return super().setup_of(cells, names)
         return author_notebook.setup_with_constants(cells, names)
 
 

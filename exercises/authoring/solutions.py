@@ -72,6 +72,11 @@ class Solutions:
             )
         return self._solution(name, _text_of(found[0]), found[0].node)
 
+    def is_variable(self, name: str) -> bool:
+        """Return whether a cell assigns the name, and none defines a function or class of it."""
+        found = self._statements(name)
+        return bool(found) and not any(isinstance(s.node, DEFINITION) for _, s in found)
+
     def cell(self, names: Sequence[str]) -> NotebookSolution:
         """Return the cell that assigns the variables ``names``. Raises NoSolution."""
         number = {name: sorted({k for k, _ in self._statements(name)}) for name in names}

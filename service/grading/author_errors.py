@@ -1,5 +1,6 @@
 """Errors of an assignment's own code: a system fault with file and line, never a student's ✗ or –."""
 
+import re
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +13,8 @@ from polhode.judging.author_errors import AuthorError
 from service.sandbox.result import NotPrepared, SystemFault
 
 FAULT = "assignment {slug} has an error: {error}"
+MISSING_MODULE = re.compile(r"\bModuleNotFoundError: No module named '[^']*'$")
+PACKAGES = ": name the distribution that has it in packages=(…,) of Notebook, and install it beside polhode"
 
 
 class AssignmentFault(SystemFault):
@@ -28,7 +31,8 @@ def author_errors(assignment: Assignment, *, numbers: bool = False) -> Iterator[
     try:
         yield
     except (AuthorError, NotPrepared) as error:
-        raise fault(assignment, str(error)) from error
+        remedy = PACKAGES if MISSING_MODULE.search(str(error)) else ""
+        raise fault(assignment, f"{error}{remedy}") from error
     except SystemFault:
         raise
     except (Exception, SystemExit) as error:

@@ -1,6 +1,5 @@
 """Playing a submission's job in the sandbox, with the exact answers computed on the host meanwhile."""
 
-import re
 import secrets
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -11,7 +10,7 @@ from polhode.judging.author_errors import UNUSABLE, same_error
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Ended, SceneEnd
 from service.grading.afresh import compare_afresh
-from service.grading.author_errors import fault
+from service.grading.author_errors import MISSING_MODULE, fault
 from service.grading.jobs import truth
 from service.grading.published.loops import Claims
 from service.sandbox.job import Cell, Job
@@ -21,7 +20,6 @@ from service.sandbox.time_budget import TimeBudget
 
 OnProgress = Callable[[str, int, int], None]
 """A function called with the phase, the number of the scene in order, and the number of scenes."""
-MISSING_MODULE = re.compile(r"\bModuleNotFoundError: No module named '[^']*'$")
 NO_SUBMISSION = """
 class {name}: pass
 def {function}(*values, **named): return {name}()

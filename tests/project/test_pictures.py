@@ -51,6 +51,18 @@ def test_drawing_one_picture_leaves_the_others_outdated(clone):
     assert shown.outdated(clone) == [PAGE]
 
 
+def test_a_picture_of_an_example_is_outdated_when_the_example_changes(clone):
+    page = clone / "docs/authors/steps.md"
+    page.parent.mkdir()
+    page.write_text("# Steps\n\n```python\nx = 1\n```\n")
+    page.with_suffix(".png").write_text("drawn")
+    shown.record([page.with_suffix(".png")], clone)
+    page.write_text("# One step\n\n```python\nx = 1\n```\n")
+    assert shown.outdated(clone) == []
+    page.write_text("# One step\n\n```python\nx = 2\n```\n")
+    assert shown.outdated(clone) == ["docs/authors/steps.png"]
+
+
 def test_the_record_forgets_a_deleted_picture(clone):
     (clone / PAGE).unlink()
     shown.record([clone / NOTEBOOK], clone)

@@ -1,6 +1,7 @@
 """Assignments with an author's notebook, written into a folder."""
 
 import json
+import re
 
 ASSIGNMENT = '''
 import numpy as np
@@ -91,4 +92,23 @@ def write(folder, cells=CELLS, assignment=ASSIGNMENT):
         "cells": cells,
     }
     (folder / "fall.ipynb").write_text(json.dumps(notebook))
+    return folder
+
+
+def solved(title, setup, numbers, solutions, given=re.compile("")):
+    """The text of a notebook with a heading for each exercise, and each solution in a tagged cell; those that
+    match ``given`` are given cells.
+    """
+    headings = [markdown(f"## Exercise {number}: {title}") for number in numbers]
+    cells = [markdown(f"# {title}"), markdown("## Setup"), code(setup.strip()), *headings]
+    cells += [code(text.strip(), *() if given.fullmatch(text) else ("solution",)) for text in solutions]
+    return json.dumps({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 4})
+
+
+def declared(folder, assignment, *solutions, setup="import numpy as np"):
+    """Write an assignment and its notebook.ipynb with these solutions into a new folder, and return it."""
+    folder.mkdir()
+    (folder / "assignment.py").write_text(assignment)
+    numbers = re.findall(r'@notebook\.exercise\("(\w+)"', assignment)
+    (folder / "notebook.ipynb").write_text(solved(folder.name, setup, numbers, solutions))
     return folder

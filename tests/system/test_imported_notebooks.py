@@ -452,39 +452,26 @@ def test_only_the_published_call_with_its_own_tolerance_earns_points(tmp_path, s
 
 
 STRENGTHENED = """
-def disc(r):
-    return np.pi * r**2
+from exercises.authoring import between, relative
+
+ROUNDING = relative(1e-12, because="a thousand rounding errors")
 
 
-def ring(a, b):
-    return disc(b) - disc(a)
+@notebook.exercise("1", "Areas")
+def areas(ask):
+    disc = ask.function("disc")
+    disc.case("any disc", r=between(1, 2))
+    disc.truth(lambda r: 3.141592653589793 * r * r, agree=ROUNDING)
+    disc.mistake("wrong-function", "this is the circumference", change="np.pi * r**2 -> 2 * np.pi * r")
+    ask.line("the disc of radius 3", trust=True)
 
 
-ROUNDING = Tolerance(limit=1e-12, reason="a thousand rounding errors")
-notebook.exercise(
-    "area",
-    "Areas",
-    line("the disc of radius 3", trust=True),
-    values(
-        disc,
-        ask={"r": uniform(1, 2)},
-        truth=lambda r: 3.141592653589793 * r * r,
-        agree=ROUNDING,
-        mistakes=[mistake("np.pi * r**2", "2 * np.pi * r", "wrong-formula", "this is the circumference")],
-    ),
-)
-notebook.exercise(
-    "ring",
-    "Rings",
-    values(
-        ring,
-        ask={"a": uniform(1, 2), "b": uniform(3, 4)},
-        truth=lambda a, b: 3.141592653589793 * (b - a) * (b + a),
-        agree=ROUNDING,
-        uses=[disc],
-        mistakes=[mistake("disc(b) - disc(a)", "disc(b)", "missing-term", "the hole is missing")],
-    ),
-)
+@notebook.exercise("2", "Rings")
+def rings(ask):
+    ring = ask.function("ring")
+    ring.case("any ring", a=between(1, 2), b=between(3, 4))
+    ring.truth(lambda a, b: 3.141592653589793 * (b - a) * (b + a), agree=ROUNDING)
+    ring.mistake("missing-term", "the hole is missing", change="disc(b) - disc(a) -> disc(b)")
 """
 DISC, RING = "def disc(r):\n    return np.pi * r**2\n", "def ring(a, b):\n    return disc(b) - disc(a)\n"
 DISC_LINE = 'validate.close(disc(3.0), 9 * np.pi, "the disc of radius 3")\n'
@@ -506,12 +493,8 @@ def rings(tmp_path_factory):
     published Setup.
     """
     home = imported_folder(tmp_path_factory.mktemp("rings"), "rings", of_rings(DISC, RING))
-    head, _, _ = (home / "assignment.py").read_text().partition("\nnotebook.exercise(")
-    imports = (
-        "import Notebook, Tolerance, line, mistake, uniform\n"
-        "from exercises.authoring.kinds.values import values\n"
-    )
-    text = head.replace("import Notebook, line\n", f"{imports}import numpy as np\n") + STRENGTHENED
+    head, _, _ = (home / "assignment.py").read_text().partition("\n\n@notebook.exercise(")
+    text = head + STRENGTHENED
     (home / "assignment.py").write_text(text)
     with known(home) as found:
         assert not found.invalid, found.invalid
@@ -528,7 +511,7 @@ def test_a_question_of_an_imported_notebook_is_diagnosed(rings, sandbox):
 
 def test_a_chain_of_an_imported_notebook_uses_the_reference(rings, sandbox):
     made = report(rings, sandbox, of_rings("def disc(r):\n    return 2 * np.pi * r\n", RING))
-    assert made.provenance.chains == {"ring": "the reference disc"}
+    assert made.provenance.chains == {"2": "the reference disc"}
 
 
 def test_a_line_of_an_imported_notebook_does_not_keep_a_chain_from_its_own_function(rings, sandbox):
@@ -537,7 +520,7 @@ def test_a_line_of_an_imported_notebook_does_not_keep_a_chain_from_its_own_funct
     """
     one = "def disc(r):\n    if r == 3.0:\n        raise ValueError\n    return np.pi * r**2\n"
     made = report(rings, sandbox, of_rings(one, "def ring(a, b):\n    return disc(b)\n"))
-    assert marks(made) == "ppuff" and made.provenance.chains == {"ring": "the submission's disc"}
+    assert marks(made) == "ppuff" and made.provenance.chains == {"2": "the submission's disc"}
 
 
 @pytest.mark.slow

@@ -12,21 +12,22 @@ from typing import NamedTuple
 from exercises.authoring.importing.dependencies import dependencies
 from exercises.authoring.importing.validation_cells import Placed, placed_calls, published_cells
 from exercises.authoring.importing.words import words
+from exercises.authoring.notebook import NUMBER
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, InvalidNotebook, read
 
 CELL_S, GRADING_S = 60, 600  # CPU time of a cell, and of a grading: cells of a course take up to a minute
 HEAD = '''"""{title}: imported from {file}.
 
 The server runs the notebook's validation cells on what a student's cells computed. Their lines are
-self-reported and carry no points. The comment above a line says what makes it count; docs/authors.md has the
+self-reported and carry no points. The comment above a line says what makes it count; docs/authors/ has the
 questions.
 """
 
-from exercises.authoring.questions.author import Notebook, line
+from exercises.authoring import Notebook
 
 notebook = Notebook(
-    {quoted_title},
-    notebook={quoted_file},
+    {quoted_file},
+    title={quoted_title},
 {packages}{data}    load_s={cell_s},  # CPU time of one cell
     cpu_s={grading_s},  # and of a whole grading
 )
@@ -34,7 +35,7 @@ notebook = Notebook(
 OWN_NUMBERS = "a claim about variables, or a question about the functions that compute it"
 HINTS = {
     "close": "truth=… for {expected}, or a question about the function that computes {got}",
-    "conserved": "a question of kind ode with conserved=…, which integrates the student's function itself",
+    "conserved": "ask.right_hand_side(…, conserved=…), which integrates the student's function itself",
     "check": OWN_NUMBERS,
     "positive": OWN_NUMBERS,
     "below": OWN_NUMBERS,
@@ -106,11 +107,13 @@ def _tuple(name: str, values: Iterable[str]) -> str:
 def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
     used = set[str]()
     for heading, run in groupby(taken, key=lambda placed: placed.heading):
-        match = re.match(r"(?:exercise\s+)?(\d[\w.]*)\W*(.*)", heading, re.IGNORECASE)
-        number, title = (match[1].rstrip("."), match[2] or heading) if match else ("", heading or "Checks")
+        match = re.match(rf"(?:exercise\s+)?({NUMBER.pattern})(?!\w)\W*(.*)", heading, re.IGNORECASE)
+        number = match[1] if match else ""
+        title = (match[match.re.groups] if match else "") or heading or "Checks"
         number = next(n for n in (number, *map(str, range(1, 1000))) if n and n not in used)
         used.add(number)
-        yield f"\nnotebook.exercise(\n    {quoted(number)},\n    {quoted(title)},\n"
+        yield f"\n\n@notebook.exercise({quoted(number)}, {quoted(title)})\n"
+        yield f"def exercise_{number.replace('.', '_')}(ask):\n"
         for placed in run:
             got, expected = (
                 text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments
@@ -118,8 +121,7 @@ def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
             hint = HINTS.get(placed.call.kind, OWN_NUMBERS).format(
                 got=got, expected=expected or "the expected value"
             )
-            yield f"    # validate.{placed.call.kind}: {hint}\n    line({quoted(placed.call.label)}),\n"
-        yield ")\n"
+            yield f"    # validate.{placed.call.kind}: {hint}\n    ask.line({quoted(placed.call.label)})\n"
 
 
 def _title(cells: Sequence[Cell]) -> str:

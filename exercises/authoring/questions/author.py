@@ -42,7 +42,6 @@ __all__ = [
     "family",
     "integers",
     "itself",
-    "line",
     "mistake",
     "uniform",
 ]
@@ -86,16 +85,6 @@ def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> 
     sample only.
     """
     return Mistake(old, new, code, sentence, sys._getframe(1).f_lineno)
-
-
-def line(label: str, *, truth: Any = None, trust: bool = False, points: int = 1) -> Line:
-    """Return a line that a validation cell of the notebook prints, by its ``label`` as the cell writes it.
-
-    The expressions of an f-string stay in braces. The line carries no ``points`` until ``truth`` is the exact
-    value, or a function without parameters that computes it, with which ``validate.close`` then compares; or
-    until ``trust=True`` accepts what the student's code reports.
-    """
-    return Line(label, truth, trust, points, sys._getframe(1).f_lineno)
 
 
 def itself(reason: str) -> Itself:

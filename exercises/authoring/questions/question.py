@@ -60,13 +60,14 @@ def _located(method: Callable[..., T]) -> Callable[..., T]:
         try:
             return method(self, *args, **named)
         except Exception as error:
-            if isinstance(error, AuthorError) or self.file in [
-                f.filename for f in traceback.extract_tb(error.__traceback__)
-            ]:
+            frames = traceback.extract_tb(error.__traceback__)
+            if isinstance(error, AuthorError) or self.file in [frame.filename for frame in frames]:
                 raise
+            lines = [frame.lineno for frame in frames if frame.filename == f"<{self.function}>"]
+            where = f" (line {lines[-1]} of the solution {self.function})" if lines else ""
             raise AuthorError(
                 f"{Path(self.file).name} line {self.line}: question {self.id}:"
-                f" {type(error).__name__}: {error}"
+                f" {type(error).__name__}: {error}{where}"
             ) from error
 
     return run

@@ -36,6 +36,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 VARIANT_S = 0.5  # of CPU time for one variant of one scene; the right solution needs far less
+EXPRESSION_S = 3.0  # a variant that returns expressions, whose values to 30 digits take half a second
 LIMITS = TimeLimits(cpu_s=30.0, wall_s=60.0)  # of all variants that one grading plays
 FEW_ROWS = 8  # that tell most variants from the cause: playing them first takes a third of the time
 NEARLY = 1e-2  # relative distance on few rows, far above the tolerance of values that are compared
@@ -76,7 +77,9 @@ def diagnose_question(
             return with_scenes(own, [scene.name])
 
     def play_versions(of: PlayedJob, scene: Scene, versions: Sequence[Variant]) -> dict[Variant, Arrays]:
-        found = play_variants(of.job, scene.name, versions, sandbox, budget, budget_s=VARIANT_S)
+        assert scene.question is not None
+        each_s = EXPRESSION_S if scene.question["kind"] == "expression" else VARIANT_S
+        found = play_variants(of.job, scene.name, versions, sandbox, budget, budget_s=each_s)
         if budget.exceeded():
             raise _NotKnown
         return found

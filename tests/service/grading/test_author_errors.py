@@ -13,6 +13,7 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.result import SystemFault, ignore
 from tests.support.assignments import change, known
+from tests.support.author_notebooks import declared
 
 ASSIGNMENT = """import numpy as np
 
@@ -117,6 +118,12 @@ def test_an_error_that_the_declaration_shows_costs_no_grading(folder, old, new, 
     assert error.startswith(message)
 
 
+def test_a_package_that_the_setup_lacks_is_to_be_declared(folder, sandbox):
+    change(folder / "notebook.ipynb", "import numpy as np", "import numpy as np\\nimport iniconfig")
+    with pytest.raises(SystemFault, match="'iniconfig': name the distribution that has it in packages="):
+        graded(folder, sandbox)
+
+
 def test_an_error_in_a_figure_is_a_fault_with_file_and_line(folder, sandbox):
     change(folder / "shown.py", '["value"][0])', '["value"][40])')
     with known(folder) as catalogue:
@@ -189,31 +196,21 @@ def test_polhode_grade_reports_no_verdict(folder, polhode):
     )
 
 
-ONE_FILE = """from exercises.authoring.questions.author import Notebook, Tolerance, integers, uniform
-from exercises.authoring.kinds.values import values
+HALVING = """from exercises.authoring import Notebook, between, close, integer
 
-notebook = Notebook("Halving", setup="")
-
-
-def half(x):
-    return x / 2
+notebook = Notebook("notebook.ipynb")
 
 
-def exact(x):
-    return 0.5 * x
+@notebook.exercise("1")
+def halving(ask):
+    half = ask.function("half")
+    half.case("a number", x=between(1, 2))
 
-
-notebook.exercise(
-    "1",
-    "Halving",
-    values(
-        half,
-        ask={"x": uniform(1, 2)},
-        truth=exact,
-        agree=Tolerance(rtol=1e-9, reason="rounding"),
-    ),
-)
+    @half.truth(agree=close(rtol=1e-9, atol=0.0, because="rounding"))
+    def exact(x):
+        return 0.5 * x
 """
+HALF = "def half(x):\n    return x / 2\n"
 
 
 @pytest.mark.parametrize(
@@ -224,7 +221,7 @@ notebook.exercise(
             "return [0.5 * x, x]",
             None,
             (
-                "assignment.py line 18: question 1: ValueError: the truth does not answer as the right"
+                "assignment.py line 9: question 1: ValueError: the truth does not answer as the right"
                 " solution does for the first input: half must return a number; it returned shape (2,)"
             ),
         ),
@@ -232,31 +229,32 @@ notebook.exercise(
             "return 0.5 * x",
             "return 0.5 * y",
             None,
-            "assignment.py line 12: NameError: name 'y' is not defined",
+            "assignment.py line 13: NameError: name 'y' is not defined",
         ),
         (
-            "uniform(1, 2)",
-            "integers(2, 1)",
+            "between(1, 2)",
+            "integer(2, 1)",
             None,
-            "assignment.py line 18: question 1: ValueError: low > high",
+            "assignment.py line 9: question 1: ValueError: low > high",
         ),
         (
             "return x / 2",
             "return x / 0",
             "def half(x): return x / 2",
-            "assignment.py line 8: ZeroDivisionError",
+            (
+                "assignment.py line 9: question 1: ZeroDivisionError: float division by zero"
+                " (line 2 of the solution half)"
+            ),
         ),
     ],
 )
-def test_an_error_in_a_declaration_of_one_file_is_a_fault_with_its_line(
+def test_an_error_in_a_truth_a_draw_or_a_solution_is_a_fault_with_its_line(
     tmp_path, sandbox, old, new, source, message
 ):
-    (tmp_path / "halving").mkdir()
-    text = ONE_FILE.replace(old, new)
-    (tmp_path / "halving" / "assignment.py").write_text(text)
-    assert text != ONE_FILE
-    with known(tmp_path / "halving") as catalogue, pytest.raises(SystemFault) as fault:
-        grade(Submission(source or "def half(x): return x / 2"), catalogue.valid["halving"], sandbox, 1)
+    assert (old in HALVING) != (old in HALF)
+    home = declared(tmp_path / "halving", HALVING.replace(old, new), HALF.replace(old, new))
+    with known(home) as catalogue, pytest.raises(SystemFault) as fault:
+        grade(Submission(source or HALF), catalogue.valid["halving"], sandbox, 1)
     assert str(fault.value).startswith(f"assignment halving has an error: {message}"), fault.value
 
 

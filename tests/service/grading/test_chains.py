@@ -13,6 +13,7 @@ from polhode.report.report_html import html
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
+from tests.support.author_notebooks import declared
 from tests.support.toolbox import FOLDER, check_locally
 
 STEP = """
@@ -226,55 +227,49 @@ def perihelion(y):
 
 def orbits(tmp_path, cell=""):
     """An assignment whose second function uses the three values of the first."""
-    folder = tmp_path / "orbits"
-    folder.mkdir()
-    (folder / "assignment.py").write_text(DECLARED + cell)
-    return folder
+    return declared(tmp_path / "orbits", DECLARED + cell, RIGHT_ELEMENTS, PERIHELION, *[RATIO] * bool(cell))
 
 
 DECLARED = """
 import numpy as np
-from exercises.authoring.questions.author import Notebook, Tolerance, uniform
-from exercises.authoring.kinds.values import values
+from exercises.authoring import Notebook, array_of, between, relative
 
-notebook = Notebook("Orbits", setup="import numpy as np")
-ROUNDING = Tolerance(limit=1e-12, reason="rounding")
+notebook = Notebook("notebook.ipynb")
+rounding = relative(1e-12, because="rounding")
 
 
+@notebook.exercise("1")
+def the_elements(ask):
+    asked = ask.function("elements", returns="a e omega")
+    asked.case("any state", y=array_of(2, between(1, 2)))
+
+    @asked.truth(agree=rounding)
+    def in_logarithms(y):
+        return np.sum(y), np.exp(np.log(y[0]) - np.log(y[1])), np.prod(y)
+
+
+@notebook.exercise("2")
+def the_perihelion(ask):
+    asked = ask.function("perihelion")
+    asked.case("any state", y=array_of(2, between(1, 2)))
+
+    @asked.truth(agree=rounding)
+    def by_hand(y):
+        return (y[0] + y[1]) * (1 - y[0] / y[1]) * np.cos(y[0] * y[1])
+"""
+CELL = """
+
+@notebook.exercise("3")
+def a_ratio(ask):
+    ask.cell("ratio").truth("ratio", 0.5, agree=rounding)
+"""
+RIGHT_ELEMENTS = """
 def elements(y):
     return y[0] + y[1], y[0] / y[1], y[0] * y[1]
-
-
-def in_logarithms(y):
-    return np.sum(y), np.exp(np.log(y[0]) - np.log(y[1])), np.prod(y)
-
-
+"""
+PERIHELION = """
 def perihelion(y):
     a, e, omega = elements(y)
     return a * (1 - e) * np.cos(omega)
-
-
-def by_hand(y):
-    return (y[0] + y[1]) * (1 - y[0] / y[1]) * np.cos(y[0] * y[1])
-
-
-asked = {"y": uniform(1, 2, 2)}
-agree = {"a": ROUNDING, "e": ROUNDING, "omega": ROUNDING}
-notebook.exercise("1", "Elements", values(elements, asked, truth=in_logarithms, agree=agree))
-asked = values(perihelion, asked, truth=by_hand, agree=ROUNDING, uses=[elements])
-notebook.exercise("2", "Perihelion", asked)
 """
-
-CELL = """
-
-from exercises.authoring.kinds.variables import variables
-
-
-def half():
-    _, ratio, _ = elements(np.array([1.0, 2.0]))
-    return ratio
-
-
-asked = variables(half, {"ratio": 0.5}, agree={"ratio": ROUNDING}, uses=[elements])
-notebook.exercise("3", "A ratio", asked)
-"""
+RATIO = "_, ratio, _ = elements(np.array([1.0, 2.0]))"

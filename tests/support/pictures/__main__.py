@@ -8,12 +8,12 @@ from pathlib import Path
 
 from tests.support.app import App
 from tests.support.checkout import ROOT
-from tests.support.pictures import notebook, pages, shown, single
+from tests.support.pictures import authors, notebook, pages, shown, single
 from tests.support.pictures.browser import chromium
 from tests.support.pictures.demonstration import demonstration
 
 DOCS = ROOT / "docs"
-NAMES = ("pages", "report", "submission", "queue", "notebook")
+NAMES = ("pages", "report", "submission", "queue", "notebook", "authors")
 OF_ONE = {"report", "submission", "notebook"}  # which show one submission, not the class
 
 
@@ -31,6 +31,11 @@ def main() -> None:
 def draw(folder: Path, names: list[str]) -> list[Path]:
     """Write the pictures and return their files; data of the demonstration lies in ``folder``."""
     drawn = []
+    if "authors" in names:
+        with chromium() as browser:
+            drawn += authors.draw(browser, folder)
+    if set(names) == {"authors"}:
+        return drawn
     with demonstration(folder, with_class=bool(set(names) - OF_ONE)) as demo:
         server = App(database_url=demo.database)  # on which people log in
         one = {"report": single.draw_report, "submission": single.draw_submission, "queue": single.draw_queue}

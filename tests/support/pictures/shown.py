@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+from tests.support import author_pages
 from tests.support.checkout import ROOT
 
 KIT = (
@@ -13,7 +14,7 @@ KIT = (
     "exercises/rigid_body/course/ecp/style.py",
 )
 PAGES = ("service/pages/templates/*", "service/pages/static/*", *KIT)  # a page's lines are the kit's
-OF_KIT = ("docs/notebook.png",)
+OF_KIT = ("docs/notebook.png", "docs/authors/")  # a file, or a folder of them
 
 
 def record(pictures: Iterable[Path], root: Path = ROOT) -> None:
@@ -32,10 +33,13 @@ def outdated(root: Path = ROOT) -> list[str]:
 def present(name: str, root: Path = ROOT) -> str:
     """Return the hash of the files that a picture shows."""
     digest = hashlib.sha256()
-    for pattern in KIT if name in OF_KIT else PAGES:
+    for pattern in KIT if name.startswith(OF_KIT) else PAGES:
         for file in sorted(path for path in root.glob(pattern) if path.is_file()):
             content = file.read_bytes()
             digest.update(f"{file.relative_to(root)}\0{len(content)}\0".encode() + content)
+    page = (root / name).with_suffix(".md")
+    if name.startswith("docs/authors/") and page.exists():
+        digest.update("".join(author_pages.blocks(page, "python")).encode())  # whose report it is
     return digest.hexdigest()[:16]
 
 

@@ -3,8 +3,9 @@
 import pytest
 
 from exercises.authoring.importing.validation_calls import calls as calls_of
+from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.importing.words import words
-from exercises.authoring.questions.author import Notebook, line
+from exercises.authoring.questions.author import Notebook
 from tests.support.course_shape import published, written
 
 
@@ -55,7 +56,7 @@ def declared(tmp_path, *lines):
 
 
 def test_lines_that_the_notebook_does_not_have_are_errors_with_their_lines(tmp_path):
-    lines = [line("twice the sum is 20"), line("no such line"), line("the area is positive", truth=3.0)]
+    lines = [Line("twice the sum is 20"), Line("no such line"), Line("the area is positive", truth=3.0)]
     wrong = declared(tmp_path, *lines).errors(tmp_path)
     assert len(wrong) == 2 and all(
         error.startswith(f"assignment.py line {lines[0].line}: ") for error in wrong
@@ -66,17 +67,17 @@ def test_lines_that_the_notebook_does_not_have_are_errors_with_their_lines(tmp_p
 
 @pytest.mark.parametrize("truth", ["twenty", float("nan"), {"x": 1}])
 def test_a_truth_that_is_no_number_is_an_error(tmp_path, truth):
-    (error,) = declared(tmp_path, line("twice the sum is 20", truth=truth)).errors(tmp_path)
+    (error,) = declared(tmp_path, Line("twice the sum is 20", truth=truth)).errors(tmp_path)
     assert "it must be numbers, or a function without parameters" in error
 
 
 def test_lines_in_another_order_are_an_error(tmp_path):
-    wrong = declared(tmp_path, line("the sum is positive"), line("twice the sum is 20")).errors(tmp_path)
+    wrong = declared(tmp_path, Line("the sum is positive"), Line("twice the sum is 20")).errors(tmp_path)
     assert len(wrong) == 1 and "twice the sum is 20" in wrong[0]
 
 
 def test_the_student_defines_what_the_lines_read(tmp_path):
-    made = declared(tmp_path, line("twice the sum is 20"), line("the sum is positive")).assignment(tmp_path)
+    made = declared(tmp_path, Line("twice the sum is 20"), Line("the sum is positive")).assignment(tmp_path)
     (exercise,) = made.exercises
     assert exercise.functions == exercise.variables == ("total",)
     assert made.max_points() == 0 and [check.points for check in exercise.checks] == [0, 0]
@@ -98,7 +99,7 @@ def test_a_truth_with_a_tolerance_that_the_cell_computes_is_an_error(tmp_path):
     text = published(checks=('validate.close(total, 10, "ten", atol=3 * sigma)\n', "x = 1\n", "x = 1\n"))
     written(tmp_path, "sums.ipynb", text)
     made = Notebook("Sums", notebook="sums.ipynb")
-    made.exercise("1", "Task 1", line("ten", truth=10))
+    made.exercise("1", "Task 1", Line("ten", truth=10))
     (error,) = made.errors(tmp_path)
     assert "the validation cell computes atol, which the student's code could widen" in error
 

@@ -17,6 +17,7 @@ from polhode.kinds.random import ESTIMATES, SAMPLES
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
+from tests.support.author_notebooks import declared
 from tests.support.toolbox import mistaken
 
 MISTAKES = {
@@ -237,20 +238,23 @@ def test_the_notebook_s_own_random_numbers_continue_after_a_check(toolbox):
     assert np.random.random() == before and abs(pi - 3.14) < 1
 
 
+WIDTH_NOISE = "def noise(n, width, rng):\n    return rng.normal(scale=width, size=n)\n"
+TWO = """
+from exercises.authoring import Notebook, generator
+
+notebook = Notebook("notebook.ipynb")
+
+
+@notebook.exercise("1")
+def noise(ask):
+    for label, width in (("narrow noise", 1.0), ("wide noise", 2.0)):
+        asked = ask.samples("noise", "norm", parameters={"scale": width}, label=label)
+        asked.case("", n=30, width=width, rng=generator())
+"""
+
+
 def test_two_questions_on_one_function_have_labels_of_their_own(tmp_path):
-    (tmp_path / "two").mkdir()
-    (
-        tmp_path / "two" / "assignment.py"
-    ).write_text("""from exercises.authoring.questions.author import Notebook
-from exercises.authoring.kinds.random import generator, samples
-notebook = Notebook("Two", setup="")
-def noise(n, width, rng):
-    return rng.normal(scale=width, size=n)
-def asked(width, label):
-    return samples(noise, {"n": 30, "width": width, "rng": generator()}, "norm", scale=width, label=label)
-notebook.exercise("1", "Noise", asked(1.0, "narrow noise"), asked(2.0, "wide noise"))
-""")
-    with known(tmp_path / "two") as catalogue:
+    with known(declared(tmp_path / "two", TWO, WIDTH_NOISE)) as catalogue:
         assert not catalogue.invalid
         labels = [check.label for check in catalogue.valid["two"].exercises[0].checks]
     assert len(set(labels)) == len(labels) == 12 and {label.split(": ")[0] for label in labels} == {

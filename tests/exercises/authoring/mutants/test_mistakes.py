@@ -6,6 +6,7 @@ from polhode.report.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
+from tests.support.author_notebooks import declared
 from tests.support.toolbox import FOLDER
 
 INIT = "class Pendulum:\n    def __init__(self, l, g):\n"
@@ -73,29 +74,24 @@ def test_a_mistake_that_holds_for_the_public_inputs_only_is_not_diagnosed(toolbo
 
 
 WITH_DATA = """
-from exercises.authoring.questions.author import Notebook, Tolerance, mistake, uniform
-from exercises.authoring.kinds.values import values
+from exercises.authoring import Notebook, between, relative
 
-SETUP = "import numpy as np\\nFACTOR = np.loadtxt('factor.csv')"
-notebook = Notebook("Data", setup=SETUP, data=("factor.csv",))
-FACTOR = 2.0
+notebook = Notebook("notebook.ipynb", data=("factor.csv",))
 
 
-def scaled(x):
-    return FACTOR * x
-
-
-NEAR = Tolerance(limit=1e-12, reason="rounding")
-wrong = [mistake("FACTOR * x", "FACTOR + x", "wrong-operator", "the factor is added")]
-shared = {"ask": {"x": uniform(0, 1)}, "truth": lambda x: x + x, "agree": NEAR}
-notebook.exercise("1", "Scaling", values(scaled, **shared, mistakes=wrong))
+@notebook.exercise("1")
+def scaling(ask):
+    scaled = ask.function("scaled")
+    scaled.case("any number", x=between(0, 1))
+    scaled.truth(lambda x: x + x, agree=relative(1e-12, because="rounding"))
+    scaled.mistake("wrong-operator", "the factor is added", change="FACTOR * x -> FACTOR + x")
 """
+SETUP = "import numpy as np\n\nFACTOR = np.loadtxt('factor.csv')"
 
 
 def test_a_mistake_is_diagnosed_where_the_setup_reads_a_data_file(tmp_path, sandbox):
-    folder = tmp_path / "scaling"
-    folder.mkdir()
-    (folder / "assignment.py").write_text(WITH_DATA)
+    solution = "def scaled(x):\n    return FACTOR * x\n"
+    folder = declared(tmp_path / "scaling", WITH_DATA, solution, setup=SETUP)
     (folder / "factor.csv").write_text("2.0\n")
     with known(folder) as catalogue:
         source = "def scaled(x): return x + FACTOR"

@@ -10,6 +10,7 @@ from service.cli import mutants
 from service.cli.__main__ import main
 from service.cli.authoring.mutants import MutantResult, grade_mutants, kill_rate, table, together
 from tests.support.assignments import known
+from tests.support.author_notebooks import declared
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
@@ -47,29 +48,26 @@ def test_table():
 
 
 DECLARED = """
-from exercises.authoring.questions.author import Notebook, Tolerance, uniform
-from exercises.authoring.kinds.values import values
+from exercises.authoring import Notebook, absolute, between
 
-notebook = Notebook("Doubling")
+notebook = Notebook("notebook.ipynb")
 
 
+@notebook.exercise("1")
+def doubling(ask):
+    double = ask.function("double")
+    double.case("any number", x=between(0, 1))
+    double.truth(lambda x: x + x, agree=absolute(0.5, because="a wide one"))
+"""
+DOUBLE = """
 def double(x):
     y = abs(2 * x)
     return y - x + x
-
-
-NEAR = Tolerance(atol=0.5, reason="a wide one")
-notebook.exercise(
-    "1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR)
-)
 """
 
 
 def test_the_variants_of_a_declaration(tmp_path, capsys):
-    folder = tmp_path / "doubling"
-    folder.mkdir()
-    (folder / "assignment.py").write_text(DECLARED)
-    with known(folder):
+    with known(declared(tmp_path / "doubling", DECLARED, DOUBLE)):
         assert main(["mutants", "doubling"]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert "turned out correct: double, exercise 1: wrong-function, `abs` is missing in `abs(2 * x)`" in lines

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -13,7 +12,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from service.cli.__main__ import _parse, main
+from service.cli.__main__ import main
 from service.cli.authoring.new_assignment import TEMPLATE, CannotScaffold, scaffold
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -302,20 +301,6 @@ def submit(server, slug, source):
 def test_the_templates_codes_are_documented():
     codes = re.findall(r'mistake\(\s*"([a-z-]+)"', (TEMPLATE / "assignment.py").read_text())
     assert len(codes) == 5 and set(codes) <= documented_codes()
-
-
-def test_the_commands_of_the_guide_for_authors_are_there():
-    guide = (ROOT / "docs" / "authors.md").read_text()
-    blocks = re.findall(r"```sh\n(.*?)```", guide, re.DOTALL)
-    commands = [
-        shlex.split(line, comments=True)
-        for block in blocks
-        for line in block.splitlines()
-        if line.startswith("polhode")
-    ]
-    assert len(commands) >= 8
-    for command in commands:
-        assert _parse(command[1:]).run
 
 
 @pytest.mark.parametrize(

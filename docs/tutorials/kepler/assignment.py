@@ -2,7 +2,7 @@
 
 from math import pi
 
-from numpy import arctan2, array, cos, exp, hypot, sin, sqrt
+from numpy import arctan2, array, column_stack, cos, exp, hypot, linspace, sin, sqrt
 from scipy.optimize import brentq
 
 from exercises.authoring import (
@@ -23,7 +23,7 @@ notebook = Notebook("kepler.ipynb")
 
 @notebook.draw
 def orbit(draw):
-    """Return an orbit: its elements, and the state at a drawn place. Solutions get y and mu only."""
+    """Return an orbit: its elements, and the state at a drawn place. The solution takes y and mu only."""
     mu, a, e = draw(between(0.8, 1.5)), draw(between(0.7, 1.3)), draw(with_ends(0.05, 0.9))
     omega, anomaly, sense = draw(angle), draw(angle), draw.sign()
     p = a * (1 - e**2)
@@ -32,6 +32,11 @@ def orbit(draw):
     velocity = sqrt(mu / p) * (e * sin(anomaly) + 1j * sense * (1 + e * cos(anomaly))) * direction
     y = array([place.real, place.imag, velocity.real, velocity.imag])
     return {"y": y, "mu": mu, "a": a, "e": e, "omega": omega}
+
+
+def solved(M, e):
+    """Return E of E - e sin E = M: it lies within e of M, and the left side grows with E."""
+    return brentq(lambda E: E - e * sin(E) - M, M - 1, M + 1, xtol=1e-14)
 
 
 @notebook.exercise("1", points=6)
@@ -76,8 +81,18 @@ def orbital_elements(ask):
         omega=angle.within(1e-9, because="rounding over e >= 0.05"),
     )
     elements.mistake(
-        "sign-flipped", "the perihelion is taken for the aphelion", change=" - position / r -> + position / r"
+        "constant-factor",
+        "the energy v²/2 - mu/r is -mu/(2a), with the factor 2",
+        change="1 / (2 / r -> 1 / (1 / r",
     )
+    elements.mistake(
+        "sign-flipped", "the unit vector r/|r| is subtracted", change=" - position / r -> + position / r"
+    )
+
+    @elements.mistake("sign-reversed", "omega points to the aphelion: the perihelion is opposite")
+    def to_the_aphelion(y, mu):
+        a, e, omega = elements(y, mu)
+        return a, e, omega + pi
 
 
 @notebook.exercise("3", points=8, partial=True)
@@ -89,8 +104,8 @@ def keplers_equation(ask):
 
     @anomaly.truth(agree=absolute(1e-10, because="the notebook asks for it"), each="M")
     def by_bracketing(M, e):
-        """E lies within e of M, and the left side grows with E."""
-        return brentq(lambda E: E - e * sin(E) - M, M - 1, M + 1, xtol=1e-14)
+        """The root between M - 1 and M + 1, without Newton's method."""
+        return solved(M, e)
 
     @anomaly.mistake(
         "too-few-steps", "{steps} steps of Newton's method are too few for large e", steps=range(1, 5)
@@ -136,8 +151,17 @@ def leapfrog(ask):
         later = v + h * acc(middle)
         return middle + h / 2 * later, later
 
+    @step.mistake("wrong-method", "position and velocity both change at the old slopes: this is Euler's step")
+    def explicit_euler(acc, x, v, h):
+        return x + h * v, v + h * acc(x)
 
-@notebook.exercise("5", points=7)
+    @step.mistake("off-by-one", "acc is called a third time, at a position where it is known")
+    def third_call(acc, x, v, h):
+        acc(x)
+        return step(acc, x, v, h)
+
+
+@notebook.exercise("5", points=4)
 def perihelion(ask):
     """The advance of the perihelion per orbit under an additional force."""
     cell = ask.cell("precession", given="delta start")
@@ -157,3 +181,31 @@ def perihelion(ask):
         "the full turn is not subtracted",
         change="first[0]) % (2 * np.pi) -> first[0]) + 2 * np.pi",
     )
+
+
+@notebook.draw
+def revolution(draw):
+    """Return the times of one revolution on an ellipse with a = mu = 1, and the positions there."""
+    e, omega = draw(between(0.2, 0.7)), draw(angle)
+    t = linspace(0, 2 * pi, 61)
+    E = array([solved(M, e) for M in t])
+    place = (cos(E) - e + 1j * sqrt(1 - e**2) * sin(E)) * exp(1j * omega)
+    return {"t": t, "planet": column_stack([place.real, place.imag])}
+
+
+@notebook.exercise("6", points=2)
+def animated_orbit(ask):
+    """An animation in any style, in which something drawn follows the planet."""
+    orbit = ask.animation(
+        "animate_orbit",
+        inputs=revolution,
+        follows="planet",
+        agree=relative(0.01, because="a hundredth of the ellipse is too little to see"),
+    )
+    orbit.mistake(
+        "wrong-motion", "y is drawn in place of x", change="planet[k : k + 1, 0] -> planet[k : k + 1, 1]"
+    )
+
+    @orbit.mistake("static", "the planet stands still")
+    def at_rest(t, planet):
+        return orbit(t, planet[0] + 0 * planet)

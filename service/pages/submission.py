@@ -30,7 +30,7 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages import report_summary
 from service.pages.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
-from service.store.course import comments, overrides, regrade_requests
+from service.store.course import comments, gradebook, overrides, regrade_requests
 from service.store.submissions import records, sweeps
 from service.store.submissions.history import gradings, previous, timeline
 from service.store.submissions.records import SubmissionRecord
@@ -54,6 +54,9 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
         "timeline": rows,
         "standing": report_summary.standing(stored, rows),
     }
+    if context["staff"]:
+        students = await gradebook.students(database, stored.assignment)
+        context["neighbours"] = gradebook.beside(students, stored.person)
     if context["sweeps"]:
         how, told = await sweeps.ending(database, stored.grading) or ("", "")
         context["sweep"] = {"how": how, "told": json.loads(told)["line"] if how == sweeps.SWEPT else told}

@@ -56,6 +56,18 @@ async def students(database: Database, slug: str) -> list[StudentRow]:
     return [StudentRow(**row._asdict()) for row in rows]
 
 
+def beside(students: Sequence[StudentRow], name: str) -> tuple[StudentRow | None, StudentRow | None]:
+    """Return those before and after the student of that ``name`` who submitted something, None at the ends
+    and for somebody who is not a student.
+    """
+    submitted = [s for s in students if s.submission is not None]
+    at = next((k for k, s in enumerate(submitted) if s.name == name), None)
+    if at is None:
+        return None, None
+    around = [None, *submitted, None]
+    return around[at], around[at + 2]
+
+
 def graded(students: Iterable[StudentRow]) -> list[UUID]:
     """Return the gradings of the counted submissions with a report."""
     return [s.grading for s in students if s.grading is not None and s.score is not None]

@@ -158,6 +158,15 @@ def test_next_and_previous_lead_through_the_class(looks):
     assert seen == [NAME, "ben", "zoe"]
 
 
+def test_reports_lead_the_staff_from_student_to_student(looks):
+    report = re.search(r'href="(/submissions/[0-9a-f-]+)"', looks("helper", "/person?name=ben")[1])[1]
+    page = looks("helper", report)[1]
+    before = re.search(r'rel="prev" href="([^"]*)"', page)[1]
+    assert 'rel="next"' not in page  # zoe submitted nothing
+    assert re.search(r'rel="next" href="/submissions/[0-9a-f-]+"', looks("helper", before)[1])
+    assert 'rel="prev"' not in looks("ben", report)[1]
+
+
 def test_every_name_has_a_page_that_the_list_links(looks):
     page = looks("helper", "/people")[1]
     links = [unescape(link) for link in re.findall(r'href="(/person\?name=[^"]*)"', page)]

@@ -131,7 +131,7 @@ def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann, 
     assert deep[:3] == ("failing", "line-1-5", 5) and way[:3] == ("caller", "line-1-9", 9)
     assert deep[3] == [("cause-1", "raised here")] and way[3] == [("cause-1", "called from here")]
     assert told.count("IndexError: only integers") == 1 and 'id="cause-1"' in told
-    assert '<a href="#line-1-5">submission.py, line 5</a>' in told and "w[<mark>" not in told
+    assert '<a href="#line-1-5">mine.py, line 5</a>' in told and "w[<mark>" not in told
     assert "<summary>traceback</summary>" in told, "two lines of the student led there"
 
 

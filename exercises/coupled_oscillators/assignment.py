@@ -3,6 +3,10 @@
 The data of dispersion.csv are ω at q = 1/8, 2/8, … 3 for A = 47 and B = 4.6, with normal noise of numpy's
 default_rng(2300).
 
+In a mistake, ``change`` replaces one place of the notebook's solution, and a question is called as its right
+solution. A mistake without words must fail, and gives no hint. ``public`` and ``hidden`` are numbers of
+inputs: of fixed ones, which students have too, and of ones that are drawn for each grading.
+
 Every truth has a second source in tests/exercises/test_coupled_oscillators.py: numbers of another method with
 60 digits.
 """
@@ -29,7 +33,8 @@ notebook = Notebook("notebook.ipynb", data=("dispersion.csv",))
 
 rounding = relative(1e-12, because="a thousand rounding errors of the largest number")
 of_modes = relative(
-    1e-9, because="rounding errors over the smallest distance of two eigenvalues, 1 % of the largest"
+    1e-9,
+    because="rounding errors over the smallest distance of two eigenvalues: up to 1e-13, ten thousand times",
 )
 
 
@@ -40,7 +45,7 @@ def stiffness_matrix(ask):
     chain_stiffness.case("", k=array_of(3, between(0.5, 9)))
 
     def of_N_masses(chain_stiffness, k, N):
-        """The matrix of a chain of N masses, with zeros beyond it."""
+        """The matrix of a chain of N masses, padded with zeros so that every N gives the same shape."""
         return np.pad(chain_stiffness(k[: N + 1]), (0, 30 - N))
 
     chain_stiffness.case(
@@ -73,10 +78,11 @@ def stiffness_matrix(ask):
 
 
 def drawn_stiffness(draw, N):
-    """Return a stiffness matrix (N, N) without a zero, whose eigenvalues lie apart.
+    """Return a full stiffness matrix (N, N).
 
-    They are 0.5 to 13.5 at equal ratios, each times 1 to 1.44. Masses from 1 to 2 divide them by 1 to 2: for
-    four masses, whose ratios are at least 2.5, they stay apart.
+    Its eigenvalues are 0.5 to 13.5 at equal ratios, each times 1 to 1.2. Masses from 1 to 2 divide them by 1
+    to 2: those of four masses, whose ratios are at least 2.5, keep ratios of at least 1.25; those of eight
+    may come closer.
     """
     axes, _ = np.linalg.qr(draw.rng.normal(size=(N, N)))
     roots = axes * np.sqrt(np.geomspace(0.5, 13.5, N) * draw.rng.uniform(1, 1.2, N))
@@ -184,6 +190,9 @@ def degenerate_modes(ask):
     def by_symmetry(m, k):
         """The displacement of the corner at the angle φ, as a complex number, is constant (translations),
         ie^{iφ} (rotation), e^{−iφ} and ie^{−iφ} (the degenerate pair), or e^{iφ} (breathing).
+
+        Breathing stretches each spring by √3: ω² = 3k/m. All ω² add up to the trace 6k/m, so each of the pair
+        has 1.5k/m.
         """
         turn = np.exp(1j * np.radians([90, 210, 330]))
         fields = np.array([turn**0, 1j * turn**0, 1j * turn, turn.conj(), 1j * turn.conj(), turn])
@@ -268,7 +277,7 @@ def sum_of_modes(ask):
     )
     motion.mistake(
         "missing-term",
-        "the modes are orthogonal with the masses",
+        "the masses are missing: XᵀMX is 1, not XᵀX",
         change="X.T @ (m * x0), X.T @ (m * v0) -> X.T @ x0, X.T @ v0",
     )
     motion.mistake(
@@ -280,7 +289,9 @@ def sum_of_modes(ask):
 
 @notebook.exercise("5")
 def beats(ask):
-    """The time π/(ω₂ - ω₁) of two pendulums of nearly the same frequency, to a relative error of 1e-12."""
+    """The time π/(ω₂ - ω₁) of two pendulums, whose modes have the frequencies ω₁ = ω₀ and ω₂ = √(ω₀² + 2κ) in
+    rad/s, to a relative error of 1e-12.
+    """
     beat_time = ask.function("beat_time")
     beat_time.case("", public=32, hidden=96, w0=with_ends(1, 10), kappa=with_ends(1e-12, 1, log=True))
 
@@ -288,7 +299,8 @@ def beats(ask):
         agree=close(
             rtol=1e-12,
             atol=0,
-            because="a thousand rounding errors; the difference of the frequencies loses up to all digits",
+            because="a thousand rounding errors; the difference of the frequencies loses up to 14"
+            " of 16 digits",
         )
     )
     def with_60_digits(w0, kappa):
@@ -304,12 +316,12 @@ def beats(ask):
     )
     beat_time.mistake(
         "constant-factor",
-        "the energy is back at the first pendulum: twice the time",
+        "twice the time: the energy is back at the first pendulum, not at the second",
         change="np.pi * -> 2 * np.pi *",
     )
     beat_time.mistake(
         "constant-factor",
-        "ω₂² is ω₀² + 2κ: the coupling stretches at both ends",
+        "ω₂² is ω₀² + 2κ, not ω₀² + κ",
         change="w0**2 + 2 * kappa -> w0**2 + kappa",
     )
     beat_time.mistake(
@@ -320,8 +332,10 @@ def beats(ask):
 
 
 def frequency_by_neighbours(q, A, B):
-    """Return the frequency of the wave exp(iqn): the forces of first and second neighbours on the mass n = 0
-    are the sum of -c (exp(iqn) - 1).
+    """Return the frequency of the wave exp(iqn).
+
+    The force of its first and second neighbours on mass 0 is the sum of c (exp(iqn) - 1) times the mass, and
+    equals -ω² times the mass: A and B, the values of c, are force constants over the mass, in rad²/ps².
     """
     neighbours = [(1, A), (-1, A), (2, B), (-2, B)]
     return np.sqrt(sum(-c * (np.exp(1j * n * q) - 1).real for n, c in neighbours))
@@ -390,9 +404,11 @@ def measured_dispersion(ask):
     """The fit of A and B to measured frequencies, with their covariance, and the speed of sound that follows
     for the file.
     """
-    # neither the number of the data nor their errors are those of the file
+    # number and errors of the data differ from the file's, so that neither can be written into the function
     near = at_most(
-        1e-3, because="of a standard deviation: ten times what a fit with default options deviates"
+        1e-3,
+        because="of a standard deviation, in the covariance of σᵢσⱼ: ten times what a fit with default"
+        " options deviates",
     )
     fit_dispersion = ask.fit(
         "fit_dispersion",
@@ -421,8 +437,9 @@ def measured_dispersion(ask):
         return curve_fit(exchanged, q, omega, sigma=sigma, absolute_sigma=True)
 
     of_file = ask.cell("best chi2 speed speed_error")
-    found = close(rtol=1e-4, atol=0, because="a hundredth of the standard deviations")
-    # by Newton's method with 60 digits, see the test
+    found = close(rtol=1e-4, atol=0, because="A, B and speed have standard deviations of 1 %, 7 % and 0.7 %")
+    # best by Newton's method with 60 digits, see the test; speed = √(A + 4B) distances per ps, with its error
+    # from the covariance
     of_file.truth("best", np.array([47.2362308548995, 4.34999608744723]), agree=found)
     of_file.truth("chi2", 22.8223017395236, agree=found)
     of_file.truth("speed", 8.03966511769542, agree=found)

@@ -4,6 +4,10 @@ Motions are those by elliptic functions, ``reference.HeavyTop`` of a top and ``r
 body, which tests/reference compares with 60-digit integrations. Other truths use vectors and matrices in
 place of Euler angles, roots, and eigenvalues. Each has a further source in tests/exercises/test_heavy_top.py.
 
+In a mistake, ``change`` replaces one place of the notebook's solution, and a question is called as its right
+solution. A mistake without words must fail, and gives no hint. ``public`` and ``hidden`` are numbers of
+inputs: of fixed ones, which students have too, and of ones that are drawn for each grading.
+
 Moments I1 and I3 are in kg m², mgl in N m, angles in rad, rates in rad/s. A state y (6,) is θ, φ, ψ, θ̇, φ̇, ψ̇.
 """
 
@@ -28,14 +32,17 @@ notebook = Notebook("notebook.ipynb")
 rounding = relative(1e-11, because="rounding errors are 1e-15 of the largest term; ten thousand times that")
 integrated = at_most(1e-8, because="a hundred times the error of the integration")
 of_their_size = close(
-    rtol=1e-7, atol=0, because="differences of nearly equal numbers lose up to eight of sixteen digits"
+    rtol=1e-7,
+    atol=0,
+    because="differences of nearly equal numbers lose up to four of sixteen digits: 100,000 times that",
 )
 not_k = "scipy's ellipk takes m = k², not k"
 no_precession = "ω₃ lacks the part φ̇ cos θ of the precession"
 
 
-# Tops: slow ones with k² near 0.9, which swing far down, and fast ones. The precession and the spin of the
-# slow ones, and the spin of the fast ones, keep the axis away from the vertical.
+# Tops: slow ones with k² (the parameter of the elliptic functions) near 0.9, which swing far down, and fast
+# ones. The precession and the spin of the slow ones, and the spin of the fast ones, keep the axis away from
+# the vertical.
 
 
 def any_top(draw):
@@ -91,7 +98,7 @@ def equations_of_motion(ask):
         "top_eqs",
         until=4.0,
         follow=integrated,
-        scale=(1, 1, 9, 1, 1, 9),
+        scale=(1, 1, 9, 1, 1, 9),  # ψ and ψ̇ of fast tops are about nine times the others
         conserved={
             "E": (
                 "I1/2*(y[3]**2 + (y[4]*sin(y[0]))**2) + I3/2*(y[5] + y[4]*cos(y[0]))**2 + mgl*cos(y[0])",
@@ -106,7 +113,9 @@ def equations_of_motion(ask):
 
     @top_eqs.motion
     def by_elliptic_functions(t, y, I1, I3, mgl):
-        """The exact motion from y: the right equations follow it, and no others."""
+        """The exact motion from y. No other equations follow it, so it certifies the notebook's solution,
+        whose rates are then the exact ones.
+        """
         return HeavyTop(y, I1, I3, mgl).motion(t)
 
     top_eqs.mistake("sign-flipped", "gravity pulls the axis upwards", change="+ mgl) -> - mgl)")
@@ -135,6 +144,7 @@ def conserved_quantities(ask):
         """With L = (I₁ω₁, I₁ω₂, I₃ω₃) in body axes the energy is L·ω/2 + mgl cos θ. The last row of the
         rotation matrix is the vertical in body axes, and its last number cos θ.
         """
+        # attitude is (1, 3, 3) here: its last row
         vertical, w = heavy_top.attitude(y[:3, None])[0][2], heavy_top.omega(y)
         L = np.array([I1, I1, I3]) * w
         return L @ w / 2 + mgl * vertical[2], vertical @ L, L[2]
@@ -223,7 +233,7 @@ def precession_without_nodding(ask):
         return tuple(np.sort(np.roots([a, -2 * ratio * sqrt(a * mgl), mgl])))
 
     steady_precession.mistake(
-        "constant-factor", "half of I₃ω₃ is squared under the root", change="I3 * w3 / 2 -> I3 * w3"
+        "constant-factor", "I₃ω₃ stands in place of its half", change="I3 * w3 / 2 -> I3 * w3"
     )
 
     @steady_precession.mistake("missing-term", "the rates are not divided by cos θ")
@@ -233,11 +243,7 @@ def precession_without_nodding(ask):
 
     sleeping_top = ask.function("sleeping_top", in_turn(unstable_top, stable_top), returns="w3_min growth")
 
-    @sleeping_top.truth(
-        agree=absolute(
-            1e-7, because="roots are exact to 1e-13, turning points of a careful integration to 1e-8"
-        )
-    )
+    @sleeping_top.truth(agree=absolute(1e-7, because="eigenvalues are exact to 1e-13; a million times that"))
     def by_eigenvalues(w3, I1, I3, mgl):
         """Near the vertical ω₁, ω₂ and the vertical's components e₁, e₂ in body axes obey linear equations:
         ω₁' = k ω₂ + mgl/I₁ e₂ and ω₂' = -k ω₁ - mgl/I₁ e₁ with k = (I₁ - I₃)/I₁ ω₃, and e' = e × ω with
@@ -254,12 +260,12 @@ def precession_without_nodding(ask):
     )
     sleeping_top.mistake(
         "wrong-power",
-        "σ² is returned, not σ",
+        "σ², the square of the growth rate, is returned",
         change="np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))"
         " -> mgl / I1 - (I3 * w3 / (2 * I1)) ** 2",
     )
     sleeping_top.mistake(
-        "constant-factor", "L₃/2I₁ is squared, not L₃/I₁", change="(2 * I1)) ** 2 -> I1) ** 2"
+        "constant-factor", "L₃/I₁ is squared, not L₃/2I₁", change="(2 * I1)) ** 2 -> I1) ** 2"
     )
 
 
@@ -321,7 +327,7 @@ def gimbal_lock(ask):
         until=2.0,
         follow=integrated,
         state="s",
-        scale=(9.0,) * 3 + (1.0,) * 9,
+        scale=(9.0,) * 3 + (1.0,) * 9,  # ω of fast tops is about nine times the numbers of the matrix
         conserved={"L_z": ("I1*(s[9]*s[0] + s[10]*s[1]) + I3*s[11]*s[2]", integrated)},
     )
     matrix_eqs.case("any top", tops_with_matrices, public=4, hidden=16, t=0.0)
@@ -366,11 +372,12 @@ def gimbal_lock(ask):
     @lock.truth
     def with_other_forms_of_the_equations(tilt, spin):
         """The calls are those of the Lagrangian's mass matrix, and of torque and angular momentum as vectors,
-        with the solver of the Setup. The tilt at the end is that of the exact motion.
+        with the solver of the Setup: but for rounding, nfev does not depend on the form of the equations. The
+        tilt at the end is that of the exact motion.
         """
 
         def euler_rates(t, y):
-            (theta, _, _), (nod, swing, turn) = y[:3], y[3:]
+            (theta, _, _), (nod, swing, turn) = y[:3], y[3:]  # turn is ψ̇; spin is ω₃ at the start
             s, c = sin(theta), cos(theta)
             L_3 = I3 * (turn + swing * c)
             masses = [[I1, 0, 0], [0, I1 * s * s + I3 * c * c, I3 * c], [0, I3 * c, I3]]
@@ -385,6 +392,7 @@ def gimbal_lock(ask):
             w, R = state[:3], state[3:].reshape(3, 3)
             inertia = np.diag([I1, I1, I3])
             torque = np.cross([0, 0, 1], R.T @ [0, 0, -mgl])
+            # rows of R [ω]× are rows of R × ω
             return [*np.linalg.solve(inertia, torque - np.cross(w, inertia @ w)), *np.cross(R, w).ravel()]
 
         y, w, R = start(tilt, spin)
@@ -406,7 +414,7 @@ def gimbal_lock(ask):
     )
     lock.mistake(
         "component-order",
-        "the calls with Euler angles come first",
+        "the calls with the matrix come first",
         change="euler.nfev, matrix.nfev -> matrix.nfev, euler.nfev",
     )
     lock.mistake(
@@ -440,7 +448,9 @@ def long_top(draw):
 
 @notebook.draw
 def tumbling_book(draw):
-    """A book, whose edges are far from equal: each moment is the sum of two squares of them."""
+    """A book, whose edges are far from equal: each moment is the sum of two squares of them.
+    I₁ < I₂ < I₃, so ω₂ is that about the unstable axis.
+    """
     squares = draw.rng.uniform((2.6, 1.0, 0.1), (4.8, 1.7, 0.4))
     return {"w": draw.rng.uniform(-5, 5, 3), "I": squares.sum() - squares}
 
@@ -472,7 +482,7 @@ def free_tops(ask):
         return Exact(w, I).period / 2
 
     flip_period.mistake(
-        "constant-factor", "ω₂ returns after two reversals", change="2 * ellipk -> 4 * ellipk"
+        "constant-factor", "the whole period: ω₂ has reversed twice", change="2 * ellipk -> 4 * ellipk"
     )
     flip_period.mistake(
         "wrong-variable",
@@ -490,7 +500,11 @@ def the_axis(ask):
     animate_axis = ask.animation(
         "animate_axis",
         follows="axis",
-        agree=at_most(0.03, because="linear interpolation between the samples deviates by a tenth of it"),
+        agree=at_most(
+            0.03,
+            because="of the extent of the motion; linear interpolation between the samples deviates by less"
+            " than a tenth of it",
+        ),
     )
     animate_axis.case("", t=t, axis=axis)
 

@@ -4,6 +4,10 @@ The notebook asks for four steps ``step(acc, x, v, h)`` of x'' = acc(x), and for
 step. These get steps of this file, which are linear on an oscillator: then energy, growth and error follow
 from powers of a matrix or of a complex number.
 
+In a mistake, ``change`` replaces one place of the notebook's solution, and a question is called as its right
+solution. A mistake without words must fail, and gives no hint. ``public`` and ``hidden`` are numbers of
+inputs: of fixed ones, which students have too, and of ones that are drawn for each grading.
+
 Every truth has a third source in tests/exercises/test_integrators.py: 60-digit arithmetic, fractions,
 Störmer's rule.
 """
@@ -33,7 +37,10 @@ notebook = Notebook("notebook.ipynb")
 
 rounding = relative(1e-12, because="a hundred times what two forms of a step differ by")
 searched = close(
-    rtol=1e-3, atol=0, because="the search takes a growth of a millionth in one step as rounding"
+    rtol=1e-3,
+    atol=0,
+    because="the search takes a growth of a millionth in one step as rounding, which moves the limit by at"
+    " most 4e-7: thousands of times that",
 )
 exactly = absolute(0, because="integers are exact")
 
@@ -43,7 +50,9 @@ exactly = absolute(0, because="integers are exact")
 
 @notebook.draw
 def planet(draw):
-    """A planet near the point (1, 0) of the unit circle, its orbit when mu = 1, and a step."""
+    """A planet near (1, 0) with a velocity near (0, 1), from where its orbit is the unit circle if mu = 1,
+    and a step.
+    """
     return {
         "x": draw.rng.uniform((0.9, -0.1), (1.1, 0.1)),
         "v": draw.rng.uniform((-0.2, 0.9), (0.2, 1.1)),
@@ -53,7 +62,7 @@ def planet(draw):
 
 def ask_for_steps_of_a_planet(ask, name, *, order, stable_to, calls):
     """Ask for single steps of a planet, for their order of convergence, for the largest step with which the
-    oscillator does not grow, and for the chart of speed against accuracy of about three years.
+    oscillator does not grow, and for the chart of speed against accuracy to t = 20, about three years of 2π.
     """
     step = ask.step(
         name,
@@ -93,8 +102,8 @@ def ask_for_other_forces(ask, name, step, truth):
 
 
 def one_force_after_another(step, acc, other, x, v, h):
-    """Three steps: one, one of another force from where it ended, and one of that from where it began. A step
-    that keeps an acceleration for the next call takes the wrong one.
+    """Three steps: one of ``acc``; from its end one of the other force; and one of the other force from the
+    beginning. A step that keeps an acceleration for the next call is wrong in one of the last two.
     """
     first = np.array(step(acc, x, v, h))
     return [first, step(other, *first, h), step(other, x, v, h)]
@@ -109,7 +118,11 @@ def euler_and_a_small_change(ask):
         order=1,
         stable_to=(
             0,
-            absolute(5e-3, because="the search takes a growth of a millionth in one step as rounding"),
+            absolute(
+                5e-3,
+                because="the search takes a growth of a millionth in one step as rounding:"
+                " sqrt(1 + h²) reaches it at h = 0.0014",
+            ),
         ),
         calls=1,
     )
@@ -130,6 +143,7 @@ def euler_and_a_small_change(ask):
     )
     ask_for_other_forces(ask, "euler_step", euler_step, of_first_order)
 
+    # at h = 2 an eigenvalue of the oscillator is -1
     symplectic_step = ask_for_steps_of_a_planet(
         ask, "symplectic_step", order=1, stable_to=(2, searched), calls=1
     )
@@ -162,6 +176,7 @@ def euler_and_a_small_change(ask):
 @notebook.exercise("2")
 def velocity_verlet(ask):
     """The velocity changes in two halves, by the accelerations at the old and at the new place."""
+    # at h = 2 an eigenvalue of the oscillator is -1
     verlet_step = ask_for_steps_of_a_planet(ask, "verlet_step", order=2, stable_to=(2, searched), calls=2)
 
     @verlet_step.truth
@@ -189,6 +204,7 @@ def velocity_verlet(ask):
 @notebook.exercise("3")
 def runge_and_kutta(ask):
     """The classical Runge–Kutta step of fourth order, with four calls of acc."""
+    # |1 - ih - h²/2 + ih³/6 + h⁴/24|² = 1 - h⁶/72 + h⁸/576 passes 1 at h = √8
     rk4_step = ask_for_steps_of_a_planet(ask, "rk4_step", order=4, stable_to=(sqrt(8), searched), calls=4)
 
     @rk4_step.truth
@@ -228,7 +244,9 @@ def partly_updated(acc, x, v, h, b):
 
 
 def matrix_of_a_step(h, b):
-    """The matrix by which that step multiplies (x, v) of the oscillator x'' = -x."""
+    """The matrix by which that step multiplies (x, v) of the oscillator x'' = -x; complex, as its
+    eigenvalues are.
+    """
     return np.array([[1 - b * h**2, h], [-h, 1]], dtype=complex)
 
 
@@ -245,6 +263,7 @@ def run_with(b):
 @notebook.exercise("4")
 def energy(ask):
     """The largest relative error of the energy in n steps of the oscillator."""
+    # the energy grows for b < 1, oscillates for b = 1, and falls for b > 1
     euler_grows, between_both, symplectic, beyond = run_with(0.0), run_with(0.5), run_with(1.0), run_with(1.2)
     runs = in_turn(euler_grows, between_both, symplectic, beyond)
     energy_error = ask.function("energy_error")
@@ -254,7 +273,9 @@ def energy(ask):
         agree=close(rtol=1e-10, atol=1e-11, because="a hundred times the rounding errors of 300 steps")
     )
     def by_eigenvalues(h, n, b):
-        """The states from (1, 0) are the first columns of the powers of the step's matrix."""
+        """The matrix is modes · diag(factors) · modes⁻¹, so its j-th power has factors^j; column 0 is the
+        state from (1, 0). E(0) = 1/2, so the relative error of the energy is x² + v² - 1.
+        """
         factors, modes = np.linalg.eig(matrix_of_a_step(h, b))
         powers = (modes * factors ** np.arange(n + 1)[:, None, None]) @ np.linalg.inv(modes)
         x, v = powers[:, :, 0].real.T
@@ -278,8 +299,8 @@ def energy(ask):
 
 
 def partly_updated_at_rate(acc, x, v, h, b, k, place_first):
-    """The step above, of the size kh; with ``place_first`` instead the acceleration is that of the place
-    after a part b of its change. Both have the same eigenvalues.
+    """``partly_updated`` of the size kh; with ``place_first`` the place moves first, and the acceleration is
+    that of the place after a part b of its move. Trace and determinant on the oscillator are the same.
     """
     if place_first:
         change = k * h * v
@@ -295,7 +316,9 @@ def always_growing(draw):
 
 @notebook.draw
 def hardly_growing(draw):
-    """The determinant is above 1 by only 1e-6 (kh)²: an eigenvalue is hardly larger than 1 + 1e-9."""
+    """The determinant is above 1 by only 1e-6 (kh)²: with h = 0.1, where the search begins, growth is
+    1 + 1e-9 to 1 + 2e-8. For b = 1 the limit would be 2/k.
+    """
     return {"b": 1 - 1e-6, "k": 2 / draw(between(1, 4)), "place_first": draw(one_of(False, True))}
 
 
@@ -324,7 +347,9 @@ def limit_near_the_high_end(draw):
 
 @notebook.exercise("5")
 def where_a_method_fails(ask):
-    """The growth of the oscillator in one step, and the largest step with which it does not grow."""
+    """The largest |eigenvalue| of a step of the oscillator, and the largest h from 0.1 to 4, to 1e-6, with
+    which it is not above 1, or 0 if there is none.
+    """
     growth = ask.function("growth")
     growth.case(
         "any step",
@@ -338,8 +363,8 @@ def where_a_method_fails(ask):
 
     @growth.truth(agree=absolute(1e-7, because="the root of the rounding errors, where two eigenvalues meet"))
     def by_trace_and_determinant(h, b, k):
-        """The eigenvalues solve λ² - (2 - b (kh)²) λ + 1 + (1 - b)(kh)² = 0; complex ones have the square of
-        their size in common, the determinant.
+        """The eigenvalues solve λ² - (2 - b (kh)²) λ + 1 + (1 - b)(kh)² = 0; complex ones are conjugate:
+        |λ|² is the determinant.
         """
         half, determinant = 1 - b * (k * h) ** 2 / 2, 1 + (1 - b) * (k * h) ** 2
         is_complex = half**2 < determinant
@@ -358,7 +383,7 @@ def where_a_method_fails(ask):
     )
     growth.mistake(
         "wrong-quantity",
-        "the norm",
+        "the norm of the matrix, not its largest |eigenvalue|",
         change="np.abs(np.linalg.eigvals(np.array(columns).T)).max() -> np.linalg.norm(columns, 2)",
     )
 
@@ -395,9 +420,10 @@ def where_a_method_fails(ask):
     )
     stability_limit.mistake(
         "missing-term",
-        "a method that always grows has no limit of 0.1",
+        "the limit of a method that always grows is 0, not 0.1",
         change="return 0.0 -> return stable",
     )
+    # methods that always grow get 0.1
     stability_limit.mistake(change="if growth(step, stable) > 1 + 1e-9: -> if False:")
 
     @stability_limit.mistake("wrong-constant", "rounding errors count as growth")
@@ -423,7 +449,7 @@ def nearly_midpoint(acc, x, v, h, c):
 
 
 def often_called(acc, x, v, h, c):
-    """The same step with a third call of acc where x < 0."""
+    """The same step with a third call of acc where x < 0, so that calls are not 2n."""
     if x < 0:
         acc(x)
     return nearly_midpoint(acc, x, v, h, c)
@@ -438,7 +464,8 @@ def far_off(acc, x, v, h):
 
 def distance_by_powers(n, c, k=1.0):
     """The distance of n steps from (cos 5, -sin 5) with acc(x) = -k x: with w² = k, each step multiplies
-    x + iv/w by 1 - iwh - c k h²/2.
+    x + iv/w by 1 - iwh - c k h²/2. That point is the end of the motion for k = 1 only; other k show whether
+    final_error uses its acc.
     """
     w, h = sqrt(k), 5 / n
     z = (1 - 1j * w * h - c * k * h**2 / 2) ** n
@@ -482,7 +509,7 @@ def tolerance_between(low, high):
 
 @notebook.draw
 def tolerance_of_2048_steps(draw):
-    """The error is about 2.5/n: 0.0024 with 1024 steps, 0.0012 with 2048."""
+    """The error is about 25 |1 - c| / 2n = 2.5/n: 0.0024 with 1024 steps, 0.0012 with 2048."""
     return {"tol": draw(between(1.3e-3, 2.2e-3)), "c": 0.8}
 
 
@@ -526,7 +553,11 @@ def speed_against_accuracy(ask):
     observed_order.case("any step", doubled, step=function(nearly_midpoint, c=doubled["c"]))
 
     @observed_order.truth(
-        agree=absolute(1e-7, because="the rounding errors of 400 steps, relative to an error of 1e-5")
+        agree=absolute(
+            1e-7,
+            because="hundreds of times the rounding errors of 400 steps, 4e-14, over the smallest error,"
+            " 1e-4",
+        )
     )
     def of_both_powers(n, c):
         return log2(distance_by_powers(n, c) / distance_by_powers(2 * n, c))
@@ -545,7 +576,8 @@ def speed_against_accuracy(ask):
         tolerance_between(6.3e-4, 0.0032),
         tolerance_of_2048_steps,
     )
-    # with a reference in place of a wrong final_error each step takes a tenth of a millisecond
+    # a student's wrong final_error is replaced by the right one, which runs in another process: then each
+    # step takes a tenth of a millisecond
     calls_needed = ask.function("calls_needed", budget_s=10)
     calls_needed.case("any step", costs, public=6, hidden=12, step=function(often_called, c=costs["c"]))
 
@@ -556,6 +588,7 @@ def speed_against_accuracy(ask):
         z = (1 - 5j / n - c * (5 / n) ** 2 / 2) ** np.arange(n)
         return 2 * n + int(np.sum(z.real < 0))
 
+    # the first run has 16 steps
     calls_needed.mistake(change="n, calls = 8 -> n, calls = 16")
     calls_needed.mistake(
         "missing-term", "the calls of the coarser runs count too", change="calls.clear() -> pass"

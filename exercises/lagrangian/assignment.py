@@ -4,6 +4,10 @@ Exercises 1 to 4 ask for expressions of sympy. Their values at random points are
 were found without a computer's derivatives: by hand, or with Newton's laws and Cartesian velocities.
 Exercises 5 to 7 are numeric. Quantities are in SI units, angles in rad.
 
+In a mistake, ``change`` replaces one place of the notebook's solution, and a question is called as its right
+solution. A mistake without words must fail, and gives no hint. ``public`` and ``hidden`` are numbers of
+inputs: of fixed ones, which students have too, and of ones that are drawn for each grading.
+
 tests/exercises/test_lagrangian.py compares each truth with 30-digit derivatives, integrals and motions of
 mpmath.
 """
@@ -66,7 +70,7 @@ def the_equation_of_motion(ask):
     )
     varying_mass.mistake(
         "missing-term",
-        "∂L/∂v depends on time also through q",
+        "∂²L/∂v∂q · v is missing: ∂L/∂v depends on time also through q",
         change=" + sp.diff(momentum, q) * v -> ",
     )
     varying_mass.mistake(
@@ -77,7 +81,7 @@ def the_equation_of_motion(ask):
 
     @varying_mass.mistake("wrong-quantity", "this is the acceleration, not the left side of the equation")
     def solved_for_the_acceleration(L, q, v, a):
-        left = varying_mass(L, q, v, a)
+        left = varying_mass(L, q, v, a)  # is linear in a
         return a - left / left.diff(a)
 
     fast_particle = ask.symbolic(
@@ -125,6 +129,7 @@ def the_equation_of_motion(ask):
 
 
 # Exercises 2 to 4: symbols of the bead on the hoop, and of the pendulum on the cart
+# of the bead v is θ̇; of the pendulum w is θ̇, and v the velocity of the cart in m/s
 
 bead = {
     "theta": symbol(-3, 3),
@@ -237,6 +242,7 @@ def conserved_quantities(ask):
         return m * ((R * v) ** 2 / 2 - (Omega * x) ** 2 / 2 + g * y)
 
     hoop_conserved.mistake("sign-flipped", "L has the opposite sign", change="- L -> + L")
+    # 2T - L = T + V, where T is L without g
     hoop_conserved.mistake(
         "wrong-quantity",
         "T + V changes: a motor keeps Ω constant",
@@ -296,8 +302,8 @@ def any_bead(draw):
 
 @notebook.exercise("5")
 def a_function_for_the_solver(ask):
-    """The rates of (θ, θ̇), and the motion for 5 s, on which h is constant: here h/(mR²) + g/R + Ω²/2, never
-    near 0.
+    """The rates of (θ, θ̇), and the motion for 5 s, on which h is constant. Compared is h/(mR²) plus
+    g/R + Ω²/2, which keeps it from 0.
     """
     hoop_rates = ask.right_hand_side(
         "hoop_rates",
@@ -314,8 +320,8 @@ def a_function_for_the_solver(ask):
 
     @hoop_rates.truth(agree=relative(1e-12, because="a thousand rounding errors"))
     def by_complex_step(y, R, g, Omega):
-        """θ̈ is minus the derivative of the effective potential -g/R cos θ - Ω² sin²θ/2: the imaginary
-        part of its value at θ + iε, divided by ε.
+        """θ̈ is minus the derivative of the effective potential over mR², -g/R cos θ - Ω² sin²θ/2. For small
+        ε the derivative is the imaginary part at θ + iε over ε, without a difference.
         """
         z = y[0] + 1e-30j
         potential = -g / R * np.cos(z) - Omega**2 * np.sin(z) ** 2 / 2
@@ -394,7 +400,9 @@ def any_slow_swing(draw):
 
 
 def medium_hoop(low, high):
-    """Return the draw of a release between two angles on a hoop where these decide on which side it ends."""
+    """Return the draw of a release between two angles on a hoop where these decide on which side of the
+    bottom the bead ends.
+    """
 
     @notebook.draw
     def release(draw):
@@ -448,10 +456,11 @@ def the_time_between_two_rests(ask):
         if other < 1:  # the bead turns where cos θ is this: cos θ = middle + half cos φ
             cosine = (start + other) / 2 + (start - other) / 2 * np.cos(phi)
             return pi / Omega * np.mean((1 - cosine**2) ** -0.5)
-        # it turns at -θ₀: sin θ/2 = sin θ₀/2 sin φ
+        # it turns at -θ₀: sin θ/2 = sin θ₀/2 sin φ; φ from 0 to π is up from the bottom and back on one side,
+        # which takes as long as across
         sine = np.sin(theta0 / 2) * np.sin(phi)
-        rest = 2 * g / R - Omega**2 * (1 - 2 * sine**2 + start)
-        return pi * np.sqrt(2) * np.mean(((1 - sine**2) * rest) ** -0.5)
+        factor = 2 * g / R - Omega**2 * (1 - 2 * sine**2 + start)
+        return pi * np.sqrt(2) * np.mean(((1 - sine**2) * factor) ** -0.5)
 
     rest_time.mistake(
         "returns-zero",

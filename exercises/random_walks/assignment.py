@@ -6,6 +6,10 @@ distribution (``ask.samples``) or mean and spread of a sum with exact ones (``as
 sees, such as a walker that repeats another, a question about one statistic of a large array tells
 (``ask.function``).
 
+In a mistake, ``change`` replaces one place of the notebook's solution, and a question is called as its right
+solution. A mistake without words must fail, and gives no hint. ``public`` and ``hidden`` are numbers of
+inputs: of fixed ones, which students have too, and of ones that are drawn for each grading.
+
 Every truth has a second source in tests/exercises/test_random_walks.py.
 """
 
@@ -36,7 +40,9 @@ any_seed = integer(0, 999)
 
 
 def near_an_end(low, high):
-    """Return the draw of a number from the lowest or the highest tenth of a range."""
+    """Return the draw of a number from the lowest or the highest tenth of a range, where the middle of the
+    range in its place shows most.
+    """
 
     def draw(rng):
         low_end = rng.uniform(low, low + (high - low) / 10)
@@ -67,8 +73,9 @@ def largest_correlation(numbers):
 
 apart = absolute(
     0.85,
-    because="a repeated or mirrored row has the correlation 1; of 80 independent numbers each, two of the"
-    " 3160 pairs of rows or of columns correlate by 0.85 in one of 100,000,000,000 gradings",
+    because="a repeated or mirrored row has the correlation 1; of the 3160 pairs of independent rows, and as"
+    " many of columns, of 80 numbers ±1 one reaches 0.85 in about one of 100,000,000,000 gradings, of normal"
+    " numbers far more rarely",
 )
 
 
@@ -89,7 +96,9 @@ def walk_with_a_bias(ask):
     steps.mistake("wrong-quantity", counted, change="1, -1) -> 1, 0)")
     steps.mistake("wrong-comparison", "p is the probability of a step to the left", change="< p -> > p")
     steps.mistake("missing-term", "both directions are equally likely, whatever p is", change="< p -> < 0.5")
+    # one number for all steps of a walker
     steps.mistake(change="(rng.random((walkers, steps)) -> (rng.random((walkers, 1)) * np.ones(steps)")
+    # not from the generator that is given
     steps.mistake(change="rng. -> np.random.default_rng().")
     steps.mistake(
         "wrong-index",
@@ -126,7 +135,9 @@ def walk_with_a_bias(ask):
 
     @sums.mistake()
     def as_many_steps_to_the_right_as_expected(walkers, steps, p, rng):
-        """Deal a fixed number of steps to the right in random order."""
+        """Deal a fixed number of steps to the right in random order. The mean is right, but the sum never
+        varies.
+        """
         count = walkers * steps
         dealt = rng.permutation((np.arange(count) + 0.5) / count).reshape(walkers, steps)
         step = np.where(dealt < p, 1, -1)
@@ -143,9 +154,11 @@ def walk_with_a_bias(ask):
     def no_correlation():
         return 0
 
+    # walkers from the 65th on repeat
     pairs.mistake(
         change="rng.random((walkers, steps)) -> np.resize(rng.random((64, steps)), (walkers, steps))"
     )
+    # np.resize fills row by row, so with 80 steps walkers from the 65th on repeat again
     pairs.mistake(
         change="rng.random((walkers, steps)) -> np.resize(rng.random((walkers, 64)), (walkers, steps))"
     )
@@ -200,7 +213,9 @@ def mean_squared_displacement(ask):
 
     @mean_square.truth(agree=relative(1e-12, because="a thousand rounding errors"))
     def by_moments(r):
-        """The variance of x² + y² is its second moment less the square of its mean."""
+        """With s = x² + y² the sample variance is N/(N - 1) times (mean of s² less square of the mean of s),
+        and the error its root over √N.
+        """
         x, y = np.moveaxis(r - r[:, :1], 2, 0)
         second = np.mean(x * x + y * y, axis=0)
         fourth = np.mean(x**4 + y**4 + 2 * x * x * y * y, axis=0)
@@ -256,6 +271,7 @@ def brownian_motion(ask):
         "steps are uniformly distributed",
         change="rng.normal(size -> np.sqrt(3) * rng.uniform(-1, 1, size",
     )
+    # not from the generator that is given
     steps.mistake(change="rng. -> np.random.default_rng().")
 
     sums = ask.estimate("brownian", sd=lambda t, D: sqrt(24 * D * t[-1]), label="sums of places of brownian")
@@ -419,17 +435,19 @@ def monte_carlo_integration(ask):
         return (sqrt(pi / k) / 2 * erf(sqrt(k) * L)) ** 3
 
     def spread(k, L, n):
-        """The standard deviation of an estimate: the square of exp(-k r²) is exp(-2k r²)."""
+        """The standard deviation of an estimate. The variance of L³ f at one point is L³ ∫f² less the square
+        of ∫f; f² is exp(-2k r²).
+        """
         return sqrt((L**3 * gaussian_cloud(2 * k, L) - gaussian_cloud(k, L) ** 2) / n)
 
     integral = ask.estimate(
         "integrate",
         sd=spread,
-        error=at_most(0.25, because="five times the spread of the error of 400 points"),
+        error=at_most(0.25, because="of the error itself: five times its spread, up to 5 %, with 400 points"),
         mean_error=at_most(
             0.08,
-            because="errors from 20 batches of 20 points are 1.3 % too small,"
-            " their mean of 400 scatters by 0.8 %",
+            because="of the mean of the error over 400 calls: errors from 20 batches of 20 points are 1.3 %"
+            " too small, and their mean scatters by 0.8 %",
         ),
     )
     integral.case(
@@ -446,13 +464,16 @@ def monte_carlo_integration(ask):
         "the error is the spread of one point, not of the mean",
         change=" / np.sqrt(n) -> ",
     )
+    # too large by more than 25 %
     integral.mistake(change="found.std(ddof=1) -> 1.5 * found.std(ddof=1)")
+    # too small by less than 25 %, but in the mean by more than 8 %
     integral.mistake(change="found.std(ddof=1) -> 0.85 * found.std(ddof=1)")
     diagonal = "uniform(0, L, (3, n)) -> uniform(0, L, n) * np.ones((3, 1))"
     integral.mistake("wrong-index", "x, y and z are the same number", change=diagonal)
     integral.mistake(
         "wrong-function", "the median stands for the mean", change="found.mean() -> np.median(found)"
     )
+    # not from the generator that is given
     integral.mistake(change="rng. -> np.random.default_rng().")
 
     uniform = ask.samples(
@@ -475,6 +496,7 @@ def monte_carlo_integration(ask):
         change="uniform(0, L, (3, n)) -> integers(0, 10, (3, n)) * L / 10 + rng.uniform(0, 1e-9, (3, n))"
     )
 
+    # 65 points are about one in each of the 64 layers of evenness
     integrate = ask.function("integrate", returns="number evenness", budget_s=20)
     integrate.case("400 calls", public=1, hidden=1, L=between(1, 2), n=65, seed=any_seed)
 
@@ -527,6 +549,7 @@ def points_of(integrate, L, n, rng):
     """
     found = []
 
+    # any function that is not constant
     def integrand(x, y, z):
         points = np.stack(np.broadcast_arrays(x, y, z), axis=-1).reshape(-1, 3)
         found.extend(map(tuple, points.tolist()))
@@ -593,6 +616,7 @@ def first_arrival(ask):
     reverse = "p is the probability of a step to the left"
     passage.mistake("wrong-comparison", reverse, change="start + walk -> start - walk")
     passage.mistake("wrong-comparison", reverse, change="p, rng) == -> 1 - p, rng) ==")
+    # not from the generator that is given
     passage.mistake(change="p, rng) == -> p, np.random.default_rng()) ==")
     # each walker twice
     passage.mistake(
@@ -648,8 +672,8 @@ def first_arrival(ask):
 
 @notebook.draw
 def sphere(draw):
-    """The track (300, 2) of a drifting sphere in µm, and what was measured with it, in the units that
-    boltzmann takes.
+    """The track (300, 2) of a drifting sphere in µm, and what was measured with it: dt in s, T in K, eta in
+    Pa s and a in µm.
     """
     drift = draw.rng.uniform(-0.5, 0.5, 2)
     return {
@@ -667,11 +691,11 @@ def boltzmanns_constant(ask):
     boltzmann = ask.function("boltzmann", inputs=sphere, returns="drift D D_error k_B")
 
     @boltzmann.truth(
-        agree=close(rtol=1e-9, atol=0, because="rounding errors of a thousand steps, a thousand times")
+        agree=close(rtol=1e-9, atol=0, because="ten thousand times the rounding errors of 299 steps")
     )
     def by_exact_sums(r, dt, T, eta, a):
         """Python's statistics module sums exactly. The sum of all displacements is the last position less the
-        first.
+        first. D has 2(N - 1) degrees of freedom, so its relative error is √(2/(2(N - 1))) = 1/√(N - 1).
         """
         dx, dy = np.diff(r, axis=0).T.tolist()
         D = (variance(dx) + variance(dy)) / (4 * dt)

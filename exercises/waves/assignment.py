@@ -1,8 +1,13 @@
 """Waves: what is asked about notebook.ipynb, which holds text, Setup and solutions.
 
 Exercises 1 and 2 find roots of functions of which the root is known otherwise. Exercises 3 to 6 follow a
-string of N intervals on a grid, whose displacements (N + 1,) are 0 at both ends. Its modes sin(mπj/N) are
+string of N intervals on a grid, whose displacements (N + 1,) are 0 at both ends; r = cΔt/Δx is the number of
+intervals that a wave moves in a step. Its modes sin(mπj/N) are
 eigenvectors of the second difference: a step multiplies each by a number, so a truth needs no neighbours.
+
+In a mistake, ``change`` replaces one place of the notebook's solution, and a question is called as its right
+solution. A mistake without words must fail, and gives no hint. ``public`` and ``hidden`` are numbers of
+inputs: of fixed ones, which students have too, and of ones that are drawn for each grading.
 
 Every truth has a third source in tests/exercises/test_waves.py: 60-digit roots, powers of matrices, and
 d'Alembert's solution.
@@ -70,7 +75,7 @@ def a_root_finder(ask):
     few_calls = at_most(
         30, because="bisection needs 38, methods that converge faster than linearly at most 24"
     )
-    twice = absolute(2e-10, because="tol, twice")
+    twice = absolute(2e-10, because="twice tol")
 
     find_root = ask.function("find_root", calls=few_calls)
     find_root.case(
@@ -173,7 +178,9 @@ def wave_number_by_newton(w, d):
 
 @notebook.draw
 def wave_of_middle_depth(draw):
-    """A wave for which k d is 0.4 to 12 and w from 0.8 to 6: the water is neither shallow nor surely deep."""
+    """A wave with k d from 0.4 to 12, from nearly shallow to deep: with these depths in m w is 0.5 to 6
+    rad/s, the range that is asked.
+    """
     y, d = draw(between(0.4, 12)), draw(between(3.3, 5.9))
     return {"w": sqrt(g * y / d * tanh(y)), "d": d}
 
@@ -187,7 +194,9 @@ def wave_number_of_middle_depth(draw):
 
 @notebook.exercise("2")
 def waves_on_water(ask):
-    """The wave number of a frequency, and the velocity of a group of waves."""
+    """The wave number k in 1/m of a frequency w in rad/s on water of the depth d in m, and the velocity of a
+    group of waves in m/s.
+    """
     any_depth = with_ends(0.05, 32, log=True)
     middle = "water between shallow and deep"
 
@@ -231,7 +240,7 @@ def waves_on_water(ask):
 
 
 def amplitudes(u):
-    """Return the amplitudes (N - 1,) of the modes sin(mπj/N), by the discrete sine transform."""
+    """Return the amplitudes (N - 1,) of the modes sin(mπj/N), by scipy's sine transform with its factor 2."""
     return dst(u[1:-1], type=1) / (len(u) - 1)
 
 
@@ -259,7 +268,9 @@ def string_of_20(draw):
 
 @notebook.draw
 def string_up_to_200(draw):
-    """Numbers for the displacements of strings of 2, N and 203 - N intervals, and r."""
+    """Numbers for the displacements of strings of 2, N and 203 - N intervals, and r: of N and 203 - N, both 3
+    to 200, one is even and one odd.
+    """
     u, before = draw.rng.normal(size=(2, 200))
     return {"u": u, "before": before, "r": draw(courant), "N": draw(integer(3, 200))}
 
@@ -271,7 +282,9 @@ def a_step_of_the_string(ask):
     string_step.case("", string_of_20)
 
     def of_three_sizes(string_step, u, before, r, N):
-        """The displacements after a step of strings of 2, N and 203 - N intervals, with zeros beyond them."""
+        """The displacements after a step of strings of 2, N and 203 - N intervals, padded with zeros so that
+        every N gives the same shape.
+        """
         found = []
         for n in (2, N, 203 - N):
             after = string_step(np.pad(u[1:n], 1), np.pad(before[1:n], 1), r)
@@ -324,8 +337,8 @@ def a_plucked_string(ask):
     vibrate.case("", plucked_string)
 
     def of_other_sizes(vibrate, u, r, N):
-        """Three steps of strings of 2, N and 203 - N intervals, and as many steps less one of a string of 7
-        intervals, with zeros beyond them. Longer runs would grow without bound if r > 1.
+        """Three steps of strings of 2, N and 203 - N intervals; and 1, N - 1 and 202 - N steps of one of 7
+        intervals, with r at most 1, since it would grow. Both are padded with zeros.
         """
         found = []
         for n in (2, N, 203 - N):
@@ -347,7 +360,8 @@ def a_plucked_string(ask):
     )
     def by_cosines(u, r, n):
         """Mode m has the amplitude b cos(kθ) after k steps, with sin(θ/2) = r sin(mπ/2N): this solves the
-        step, and is the same for k and -k. If r sin(mπ/2N) > 1, θ is complex and the mode grows.
+        step, and is the same for k and -k, as at rest the motion is the same forwards and backwards. If r
+        sin(mπ/2N) > 1, θ is complex and the mode grows.
         """
         N = len(u) - 1
         theta = 2 * np.arcsin(r * half_sines(N) + 0j)
@@ -389,6 +403,8 @@ def step_of_any_string(u, before, r, q, c, damped, L):
     return u + kept * (u - before) + (c * r) ** 2 * pull
 
 
+# x below is largest for the zigzag, m = N - 1, if q < 1/8, and for a longer wave if q is larger and N large
+# enough; with q > 1/4 and a large N x < 0 for the zigzag, which then grows with every r
 zigzag_first, longer_wave_first = between(-0.2, 0.1), between(0.18, 0.24)
 
 
@@ -397,7 +413,7 @@ def largest_factor(N, q):
 
     A step of mode m has the eigenvalues λ² - (1 + kept - x) λ + kept = 0 with x = (c r)² z (1 - qz). For
     kept <= 1 the first |λ| passes 1 where λ = -1: where the largest x is 2 + 2 kept. For q < 1/8 that is the
-    x of the zigzag, m = N - 1, for larger q that of a longer wave.
+    x of the zigzag, m = N - 1, for larger q and large enough N that of a longer wave.
     """
     z = 4 * half_sines(N) ** 2
     return (z * (1 - q * z)).max()
@@ -440,7 +456,7 @@ def stability(ask):
     strings = in_turn(
         string_with_limit(between(0.3, 3.9), one_of(2), zigzag_first),
         string_with_limit(between(0.11, 0.2), integer(3, 5), zigzag_first),
-        # here a scan in steps of 0.0025 takes more than the 20 000 calls of step
+        # here a scan from 0.1 in steps of 0.0025 takes 1160 · 18 calls or more; the notebook allows 20 000
         string_with_limit(between(3, 3.9), one_of(10), longer_wave_first),
         string_with_limit(between(0.3, 3), integer(4, 8), longer_wave_first),
         damped_string,
@@ -487,6 +503,7 @@ def stability(ask):
     stability_limit.mistake(
         "wrong-power", "step is called with r² in place of r", change="1), r) -> 1), r**2)"
     )
+    # the matrix keeps before, not u
     stability_limit.mistake(change="[1:-1], u] -> [1:-1], before]")
     stability_limit.mistake(
         "wrong-constant",
@@ -494,7 +511,7 @@ def stability(ask):
         change="return stable -> return 1.0",
     )
 
-    @stability_limit.mistake("wrong-constant", "B is taken as -1, as for string_step")
+    @stability_limit.mistake("wrong-constant", "B, the factor of before, is taken as -1, as for string_step")
     def minus_one(step, N):
         return stability_limit(lambda u, before, r: step(u, 0 * before, r) - before, N)
 
@@ -521,7 +538,9 @@ def samples(draw):
 
 @notebook.draw
 def up_to_200_samples(draw):
-    """Numbers for 2, N and 203 - N samples, or one less if that is odd, and their interval in s."""
+    """Numbers for 2, N and 203 - N samples, or one less if that is odd, as one of the last two is; and their
+    interval in s.
+    """
     return {
         "x": draw(array_of(200, normal)),
         "dt": draw(between(0.001, 0.1)),
@@ -572,8 +591,8 @@ def spectrum_and_modes(ask):
 
     @spectrum.truth(agree=rounding)
     def by_sums(x, dt):
-        """The sums of a cos(angle + φ) times cos and sin of the angle are a n/2 (cos φ, -sin φ), and twice as
-        much where all sines are 0: for the frequencies 0 and n/2.
+        """For x = a cos(angle + φ) the sums with cos and sin are (n a/2)(cos φ, -sin φ); for k = 0 and n/2,
+        where all sines are 0, the first is n a cos φ.
         """
         n = len(x)
         k = np.arange(n // 2 + 1)
@@ -628,13 +647,15 @@ def spectrum_and_modes(ask):
         agree=close(rtol=1e-7, atol=0, because="the root of the rounding errors, where two eigenvalues meet")
     )
     def by_eigenvalue(m, N, r):
-        """A step multiplies mode m, now and before, by a matrix with the eigenvalues exp(±iθ)."""
+        """A step multiplies mode m, now and before, by a matrix with the eigenvalues exp(±iθ). The exact
+        string turns by r m π/N in a step: the ratio is θ over that.
+        """
         step = np.array([[2 - 4 * r**2 * sin(m * pi / 2 / N) ** 2, -1], [1, 0]], dtype=complex)
         return np.angle(np.linalg.eigvals(step)).max() / (r * m * pi / N)
 
     frequency_ratio.mistake("wrong-function", "arcsin is missing", change="np.arcsin -> ")
     frequency_ratio.mistake(
         "missing-term",
-        "the time step is missing: the ratio is always 1",
+        "the time step is missing: the ratio is always 1/r",
         change="r * np.sin -> np.sin",
     )

@@ -138,8 +138,8 @@ def test_what_python_cannot_compile_is_the_cause_too(report_of):
 def test_a_python_file_that_cannot_be_read_has_one_cause(report_of):
     report = report_of(f"{EULER}{RATE}{MOMENTS}{BOX}x = (1\n")
     (cause,) = report.overview().causes
-    assert cause.diagnosis.sentence.startswith("submission.py stopped: SyntaxError: '(' was never closed")
-    assert str(cause.line) == "submission.py, line 10: x = (1" and cause.diagnosis.code == "syntax-error"
+    assert cause.diagnosis.sentence.startswith("mine.py stopped: SyntaxError: '(' was never closed")
+    assert str(cause.line) == "mine.py, line 10: x = (1" and cause.diagnosis.code == "syntax-error"
     assert report.not_attempted == ["6"] and len(cause.outcomes()) == len(report.outcomes())
     assert {end.ended for end in report.scene_ends[1:]} <= {Ended.MISSING, Ended.NOT_PLAYED}
 
@@ -147,6 +147,6 @@ def test_a_python_file_that_cannot_be_read_has_one_cause(report_of):
 def test_the_report_says_once_where_every_scene_raised(report_of):
     report = report_of(EULER.replace("np.cross(", "np.cross(0 * undefined, "), numbers=["3"])
     text = report.text()
-    assert "     submission.py, line 3: return np.cross(0 * undefined, " in text.split("\n\n")[0]
+    assert "     mine.py, line 3: return np.cross(0 * undefined, " in text.split("\n\n")[0]
     assert text.count("NameError: name 'undefined' is not defined") == 1
     assert json.loads(json.dumps(text)) == text

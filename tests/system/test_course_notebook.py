@@ -59,7 +59,7 @@ FORGED = """
 import json, os, struct
 def claim(**changed):
     header = {"kind": "check", "label": "forged", "detail": "", "mark": "", "own": "", "left_out": ""}
-    header |= {"cell": "submission.py", "numbers": {}, "arrays": {"passed": []}, "unjudged": ""} | changed
+    header |= {"cell": "a.py", "numbers": {}, "arrays": {"passed": []}, "unjudged": ""} | changed
     head = json.dumps(header).encode()
     payload = struct.pack("<H", len(head)) + head + struct.pack("<d", 1.0)
     os.write(4, struct.pack("<cI", b"C", len(payload)) + payload)

@@ -6,8 +6,8 @@ import re
 import pytest
 
 from exercises.authoring.mutants.solution import Variant
-from service.cli import mutants
 from service.cli.__main__ import main
+from service.cli.authoring import mutants
 from service.cli.authoring.mutants import MutantResult, grade_mutants, kill_rate, table, together
 from tests.support.assignments import known
 from tests.support.author_notebooks import declared

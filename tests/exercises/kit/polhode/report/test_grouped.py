@@ -118,7 +118,7 @@ def test_an_exception_is_said_once_with_its_line():
     ends = [end, replace(end, scene="torque-free"), replace(end, scene="quiet", traceback=None)]
     one = report([unmeasured("a", end.sentence, diagnosis)], scene_ends=ends)
     text, page = one.text(), html(one)
-    assert "1. ZeroDivisionError: division by zero\n     submission.py, line 3: return w / 0\n" in text
+    assert "1. ZeroDivisionError: division by zero\n     ann.py, line 3: return w / 0\n" in text
     assert text.count("division by zero") == page.count("division by zero") == 1
     assert "<code><mark>return w / 0</mark></code>" in page and one.stops() == []
 
@@ -148,7 +148,7 @@ def test_what_follows_from_a_failure_is_grouped_under_it():
     ]
     checks = [unmeasured(end.scene, end.sentence, Diagnosis("raises", end.cause, 1.0)) for end in ends]
     text = report(checks, scene_ends=ends).text()
-    assert text.startswith(f"Fix this first:\n1. {failure}\n     submission.py, line 3: return w / 0\n")
+    assert text.startswith(f"Fix this first:\n1. {failure}\n     ann.py, line 3: return w / 0\n")
     assert text.count(failure) == 1
 
 

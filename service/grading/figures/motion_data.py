@@ -122,7 +122,7 @@ def _notes(yours: ValidPrefix, given: Array, t: Array, R: Array, shown: NDArray[
         notes.append(
             f"Never more than {ALIKE:.5f}° apart."
             if alike
-            else f"Farthest apart at t = {t[most]:.2f} s, by {apart[most]:.1f}°."
+            else f"Farthest apart at t = {round(t[most], 3):.2f} s, by {apart[most]:.1f}°."
         )
     if yours.off > NOTICEABLE:
         notes.append(

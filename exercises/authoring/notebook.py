@@ -24,14 +24,13 @@ from exercises.authoring.draws import Drawing, JointDraw, ListDraw
 from exercises.authoring.points import allotted
 from exercises.authoring.publishing.publish import Section
 from exercises.authoring.questions import author, author_notebook
-from exercises.authoring.questions.author_notebook import Cell, InvalidNotebook
+from exercises.authoring.questions.author_notebook import NUMBER, SEPARATOR, Cell, InvalidNotebook
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution, Solutions
 from polhode.kinds import exercise as expand_exercise
 from polhode.notebook.names import names_in
 
 Declare = Callable[[Ask], None]
-NUMBER = re.compile(r"\d+[a-z]?(\.\d+)*")
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,8 @@ class Notebook:
 
     ``title`` is by default the first heading of the notebook. Reports name the ``version``. ``packages`` are
     distributions that submissions import besides numpy, scipy and matplotlib, ``data`` files of the folder
-    that they read. A grading may use ``cpu_s`` of CPU time, and each cell ``load_s``.
+    that they read. A grading may use ``cpu_s`` of CPU time, and each cell ``load_s``; a submission's data may
+    take ``memory_mb`` MiB.
     """
 
     def __init__(
@@ -64,6 +64,7 @@ class Notebook:
         data: tuple[str, ...] = (),
         cpu_s: float | None = None,
         load_s: float | None = None,
+        memory_mb: int | None = None,
     ) -> None:
         self.notebook, self.title = notebook, title
         self._folder = Path(sys._getframe(1).f_code.co_filename).parent
@@ -73,6 +74,7 @@ class Notebook:
             "data": data,
             "cpu_s": cpu_s,
             "load_s": load_s,
+            "memory_mb": memory_mb,
         }
         self._exercises: list[DeclaredExercise] = []
 
@@ -250,7 +252,7 @@ def _errors_of(exercise: DeclaredExercise, ask: Ask, cells: list[Cell]) -> Itera
 
 def _heading(cells: list[Cell], number: str) -> str | None:
     """Return the title in the heading "Exercise NUMBER — title" of the notebook, None if there is none."""
-    pattern = re.compile(rf"exercise\s+{re.escape(number)}(?![\w.])\W*(.*)", re.IGNORECASE)
+    pattern = re.compile(rf"exercise\s+{re.escape(number)}(?![\w.]){SEPARATOR}(.*)", re.IGNORECASE)
     found = (pattern.match(text) for cell in cells for _, text in cell.headings)
     return next((match[1] or match[0] for match in found if match), None)
 

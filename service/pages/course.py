@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Match
 
 from exercises.authoring.assignments.catalogue import assignments
-from exercises.authoring.importing.validation_cells import is_self_reported
+from exercises.authoring.importing.lines import carries_points
 from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
 from service.api.history import list_own
@@ -54,7 +54,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
             visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)
         ],
         "assignments": assignments(),
-        "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
+        "without_points": {slug: _without_points(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
         "groups": groups,
         "next": course_cards.next_deadline(groups, mine),
@@ -66,12 +66,10 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     return templates.TemplateResponse(request, "index.html", context)
 
 
-def _self_reported(checks: Sequence[Check]) -> str:
-    """Return how many of an assignment's checks carry no points because they are self-reported, "" if none
-    is.
-    """
-    count = sum(map(is_self_reported, checks))
-    return f"{count} of {len(checks)} checks are self-reported and carry no points" if count else ""
+def _without_points(checks: Sequence[Check]) -> str:
+    """Return how many of an assignment's checks carry no points, "" if all do."""
+    count = sum(not carries_points(check) for check in checks)
+    return f"{count} of {len(checks)} checks carry no points" if count else ""
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

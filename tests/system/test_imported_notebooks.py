@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import pytest
 
-from exercises.authoring.importing.importing import imported
+from exercises.authoring.importing.declaration import Findings, declaration
+from exercises.authoring.importing.importing import read_published
 from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
@@ -37,10 +38,10 @@ from tests.support.kit import environment, installed
 
 def imported_folder(folder, name, text):
     file = written(folder / "in", f"{name}.ipynb", text)
-    made = imported(file, folder / "course")
+    made = read_published(file, folder / "course", {})
     home = folder / made.slug.replace("-", "_")
     written(home, file.name, text)
-    written(home, "assignment.py", made.text)
+    written(home, "assignment.py", declaration(made, Findings()))
     return home
 
 

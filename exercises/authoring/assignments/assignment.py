@@ -122,7 +122,8 @@ class Assignment:
     that one grading may use, if that is more than the server's limit: five times as much as the right
     solution uses. ``data`` names files of the folder that submissions read by the same relative name, such as
     "pendulum.csv". ``load_s`` is the CPU time in seconds for a submission's cells, if that is more than 10:
-    for each cell, if there are ``published`` ones.
+    for each cell, if there are ``published`` ones. ``memory_mb`` is the MiB of memory for its data, if that
+    is more than 512.
 
     ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right
     solution and wrong ones of a question by its id (exercises.authoring.mutants.mistakes.Variant), ``pairs``
@@ -146,6 +147,7 @@ class Assignment:
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
     load_s: float | None = None
+    memory_mb: int | None = None
     published: tuple[PublishedCell, ...] = ()
     notebook: Callable[[], str] = field(default=lambda: "")
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)

@@ -13,12 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exercises.authoring.assignments.assignment import Assignment, Sweep
-from exercises.authoring.importing.validation_cells import (
-    Line,
-    line_errors,
-    published_cells,
-    reported_exercises,
-)
+from exercises.authoring.importing.lines import Line
+from exercises.authoring.importing.validation_cells import line_errors, published_cells, reported_exercises
 from exercises.authoring.importing.words import course_packages, course_words
 from exercises.authoring.publishing import publish
 from exercises.authoring.publishing.publish import Section
@@ -97,8 +93,8 @@ class Notebook:
     """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and
     the Setup cells.
 
-    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and
-    ``data`` are those of ``Assignment``.
+    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s``,
+    ``memory_mb`` and ``data`` are those of ``Assignment``.
     """
 
     title: str
@@ -109,6 +105,7 @@ class Notebook:
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
     load_s: float | None = None
+    memory_mb: int | None = None
     sections: list[Section] = field(default_factory=list)
     line: int = 0
 
@@ -181,6 +178,7 @@ class Notebook:
             cpu_s=self.cpu_s,
             data=self.data,
             load_s=self.load_s,
+            memory_mb=self.memory_mb,
             sweeps=self._sweeps(),
             notebook=functools.cache(
                 lambda: publish.published(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_cells import ReportedLine
+from exercises.authoring.importing.lines import ReportedLine
 from service.grading.jobs import job_of
 from service.grading.submission import Submission
 from service.sandbox.result import TooBusy

@@ -2,8 +2,8 @@
 
 import pytest
 
+from exercises.authoring.importing.lines import Line
 from exercises.authoring.importing.validation_calls import calls as calls_of
-from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.importing.words import words
 from exercises.authoring.questions.author import Notebook
 from tests.support.course_shape import published, written

@@ -3,6 +3,7 @@ cells.
 """
 
 import contextlib
+import json
 import shutil
 import subprocess
 import sys
@@ -92,7 +93,14 @@ def test_the_first_wrong_of_several_claims_of_one_line_is_shown(sums, sandbox):
 def test_as_downloaded_nothing_is_measured(sums, sandbox):
     made = report(sums, sandbox, published())
     assert marks(made) == "uuuuu"
-    assert "name 'total' is not defined" in made.outcomes()[0].cause
+    missing = "name 'total' is not defined: define it in exercise 1, above its validation"
+    assert missing in made.outcomes()[0].cause
+
+
+def test_each_emptied_cell_says_which_names_are_read_below_it(sums):
+    cells = [cell for cell in json.loads(sums.notebook())["cells"] if cell["cell_type"] == "code"]
+    emptied = ["".join(cell["source"]) for cell in cells if "solution" in cell["metadata"].get("tags", ())]
+    assert emptied == [f"# your code here\n# {name} = ..." for name in ("total", "powers", "area")]
 
 
 def test_a_cell_that_fails_leaves_its_own_lines(sums, sandbox):

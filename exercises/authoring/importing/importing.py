@@ -1,6 +1,7 @@
 """A published notebook whose validation cells call ``validate``, read as an assignment."""
 
 import json
+import platform
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,8 +12,9 @@ from exercises.authoring.importing.dependencies import dependencies
 from exercises.authoring.importing.titles import notebook_title
 from exercises.authoring.importing.validation_cells import Placed, placed_calls, published_cells
 from exercises.authoring.importing.words import words
-from exercises.authoring.questions.author_notebook import SOLUTION, InvalidNotebook, read
+from exercises.authoring.questions.author_notebook import SOLUTION, InvalidNotebook, errors, read
 
+NEWER = f" (this is Python {platform.python_version()}: newer syntax needs a server with a newer one)"
 MOST_SLUG = 60  # characters
 OTHERS = {
     "nbgrader": re.compile(r'"nbgrader"\s*:|### BEGIN SOLUTION'),
@@ -60,6 +62,8 @@ def read_published(
             f"{path.name} is a notebook of {other}: docs/authors/from-nbgrader-or-otter.md says how its tests"
             " become questions"
         )
+    if wrong := list(errors(cells, (), {})):
+        raise InvalidNotebook(f"{path.name}: {'; '.join(wrong)}{NEWER}")
     known = words((course,))
     published = published_cells(cells, (), known)
     placed = list(placed_calls(cells, published, known))

@@ -2,7 +2,6 @@
 solutions.
 """
 
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from exercises.authoring.importing.importing import PublishedNotebook
 from exercises.authoring.importing.influence import computing, computing_cells, influenced, is_independent
 from exercises.authoring.importing.validation_cells import Placed
 from polhode.judging.judge import Verdict
+from service.grading.judging import NOT_DEFINED
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import CellCost, PlayResult
 from service.sandbox.sandbox import Sandbox
@@ -23,7 +23,6 @@ from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 CELL_S, MEMORY_MB = 60.0, 4096  # reference cells of courses take up to a minute
 LIMITS = TimeLimits(cpu_s=600.0, wall_s=1200.0)
-NOT_DEFINED = re.compile(r"NameError: name '(\w+)' is not defined")
 
 
 @dataclass(frozen=True)

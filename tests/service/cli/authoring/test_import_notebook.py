@@ -143,3 +143,27 @@ def test_outputs_are_not_copied(tmp_path):
     with known():
         assert main(["import-notebook", str(file), "--into", str(tmp_path / "into")]) == 0
     assert (tmp_path / "into" / "sums" / "sums.ipynb").stat().st_size < 10**5
+
+
+def test_a_cell_in_newer_python_is_named_and_nothing_is_left(tmp_path, capsys):
+    newer = published(setup="def first[T](x: T) -> T: return x\nmatch\n= 1\n")
+    file = written(tmp_path, "sums.ipynb", newer)
+    assert main(["import-notebook", str(file), "--into", str(tmp_path / "into")]) == 2
+    error = capsys.readouterr().err
+    assert "sums.ipynb: code cell 1 is not valid Python: line" in error
+    assert "newer syntax needs a server with a newer one)" in error and not (tmp_path / "into").exists()
+
+
+def test_what_an_emptied_cell_imported_is_found_in_the_texts(tmp_path):
+    lab = written(tmp_path / "lab", "__init__.py", "").parent
+    written(tmp_path, "requirements.txt", "numpy\nsympy\npandas\n")
+    text = notebook(
+        ("markdown", "t", [], "# Symbols\nUse SymPy."),
+        ("code", "a", [SOLUTION], "# (hidden)"),
+        ("code", "v", ["validation"], 'validate.close(x, 1, "x is 1")'),
+    )
+    file = written(tmp_path, "symbols.ipynb", text)
+    with known():
+        command = ["import-notebook", str(file), "--into", str(tmp_path / "into"), "--package", str(lab)]
+        assert main(command) == 0
+    assert 'packages=("sympy",),' in (tmp_path / "into" / "symbols" / "assignment.py").read_text()

@@ -1,7 +1,6 @@
 """The home page, a student's page of an assignment, and the audit log."""
 
 import asyncio
-from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, HTTPException, Query, Request
@@ -9,8 +8,6 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Match
 
 from exercises.authoring.assignments.catalogue import assignments
-from exercises.authoring.importing.lines import carries_points
-from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
 from service.api.history import list_own
 from service.api.release import visible_row
@@ -54,7 +51,6 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
             visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)
         ],
         "assignments": assignments(),
-        "without_points": {slug: _without_points(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
         "groups": groups,
         "next": course_cards.next_deadline(groups, mine),
@@ -64,12 +60,6 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
-
-
-def _without_points(checks: Sequence[Check]) -> str:
-    """Return how many of an assignment's checks carry no points, "" if all do."""
-    count = sum(not carries_points(check) for check in checks)
-    return f"{count} of {len(checks)} checks carry no points" if count else ""
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

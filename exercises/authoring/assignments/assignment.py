@@ -220,6 +220,13 @@ class Assignment:
         """Return the points of all exercises, without those of optional functions."""
         return self.max_points()
 
+    @property
+    def points_note(self) -> str:
+        """Return how many checks carry no points, "" if all do."""
+        checks = self.checks()
+        count = sum(check.points == 0 for check in checks)
+        return f"{count} of {len(checks)} checks carry no points" if count else ""
+
     @cached_property
     def out_of(self) -> str:
         """Return the points of the assignment, with those of optional functions apart: "36 + 6 bonus"."""

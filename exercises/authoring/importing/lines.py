@@ -141,8 +141,3 @@ class ReportedLine(Check):
 def is_self_reported(check: Check) -> bool:
     """Return whether a check is a line of which the student's code computes both sides."""
     return isinstance(check, ReportedLine) and check.declared.status is Status.SELF_REPORTED
-
-
-def carries_points(check: Check) -> bool:
-    """Return whether a check carries points, as all do but lines of published cells that do not count."""
-    return not isinstance(check, ReportedLine) or check.declared.counts

@@ -159,6 +159,7 @@ def _finish(folder: Path, notebook: PublishedNotebook, run: DryRun | None) -> bo
     except InvalidAssignment as error:
         print(f"polhode: {notebook.path}: {error}", file=sys.stderr)
         return False
+    catalogue.keep_index(assignment)
     lines = [check.declared for check in assignment.checks() if isinstance(check, ReportedLine)]
     statuses = Counter(line.status for line in lines)
     counts = ", ".join(f"{statuses[status]} {word}" for status, word in WORDS.items() if statuses[status])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.authoring.importing.lines import Line, Status, carries_points, is_self_reported
+from exercises.authoring.importing.lines import Line, Status, is_self_reported
 from exercises.authoring.questions.author import Notebook
 from tests.support.course_shape import published, written
 
@@ -26,11 +26,12 @@ def test_a_line_counts_if_it_is_compared_with_what_a_student_cannot_know(tmp_pat
     made = Notebook("Sums", notebook="sums.ipynb")
     made.exercise("1", "Task 1", declared)
     assert declared.status is status and made.errors(home) == []
-    (check,) = made.assignment(home).checks()
-    assert carries_points(check) is (status is Status.COUNTS)
+    assignment = made.assignment(home)
+    (check,) = assignment.checks()
+    assert (assignment.points_note == "") is (check.points == 1) is (status is Status.COUNTS)
     assert is_self_reported(check) is (status is Status.SELF_REPORTED)
     outcome = check.reported([], "the cell stopped")
-    assert outcome.counted is carries_points(check) and status.value in outcome.tolerance.reason
+    assert outcome.counted is (status is Status.COUNTS) and status.value in outcome.tolerance.reason
 
 
 def test_what_is_right_without_a_student_cannot_be_made_to_count(tmp_path):

@@ -8,6 +8,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Match
 
 from exercises.authoring.assignments.catalogue import assignments
+from exercises.authoring.assignments.index import line_counts
 from service.api.health import WorkerStatus
 from service.api.history import list_own
 from service.api.release import visible_row
@@ -51,6 +52,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
             visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)
         ],
         "assignments": assignments(),
+        "lines": staff and any(map(line_counts, assignments().values())),
         "overview": overview,
         "groups": groups,
         "next": course_cards.next_deadline(groups, mine),

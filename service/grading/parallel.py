@@ -10,7 +10,7 @@ from multiprocessing.sharedctypes import Synchronized
 from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
 from service.grading.grader import Grader
 from service.grading.result import GradedFile
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
 
 

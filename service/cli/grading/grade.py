@@ -22,8 +22,8 @@ from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile, summary
 from service.grading.submission import KIB, MIB, SizeLimits
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.sandbox.time_budget import TimeLimits
 from service.settings import Settings
 

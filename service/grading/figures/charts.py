@@ -29,8 +29,8 @@ def measure() -> dict[str, Any]:
     """Measure all scenes and pictures, printing what is being measured. It takes a minute or two and needs
     numba.
     """
-    from reference import cost, failures, least
-    from reference.scenes import SCENES
+    from reference.charts import cost, failures, least
+    from reference.charts.scenes import SCENES
 
     scenes, pictures = [], []
     for scene in SCENES:

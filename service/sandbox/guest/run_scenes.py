@@ -20,8 +20,8 @@ from polhode.judging.return_value import is_written, missing
 from . import unused_libraries
 from .budget import Budget, limited
 from .calls import LOADED, Channel
-from .cells import Cells, Stopped
-from .claims import Recorder
+from .cells.claims import Recorder
+from .cells.running import Cells, Stopped
 from .ending import Cause, ending
 from .forms import in_form_of
 from .nothing import NOTHING

@@ -10,7 +10,7 @@ from service.formats import html
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile
-from service.sandbox.select import choose
+from service.sandbox.isolation.select import choose
 from tests.support.guests import lend
 from tests.support.reports import report_of_verdicts
 

@@ -11,7 +11,7 @@ from service.grading.diagnosis.reproduction import LIMITS
 from service.grading.figures import rendering
 from service.grading.grader import Grader, SweepFailed
 from service.grading.submission import Submission
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeLimits

@@ -5,8 +5,8 @@ from typing import Any
 
 from polhode.client.build import WHEEL, build
 from polhode.client.errors import RequestError
-from polhode.client.http import call
 from polhode.client.past_submissions import own
+from polhode.client.transport.http import call
 
 PATIENCE_S = 5.0
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from polhode.client import course
 from polhode.client.health import health
-from polhode.client.http import CONTACT_S, HTTPError, Unreachable, call
 from polhode.client.progress import Line
 from polhode.client.tokens import NotLoggedIn, authorization, store, tokens
+from polhode.client.transport.http import CONTACT_S, HTTPError, Unreachable, call
 
 JSON = {"Content-Type": "application/json"}
 

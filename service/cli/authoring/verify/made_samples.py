@@ -24,7 +24,7 @@ from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.jobs import draw_inputs, truth
 from service.grading.result import GradedFile
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.levels import Isolation
 
 SLOW_S, MOST = 2.0, 3  # an exercise whose grading uses more CPU time is named, at most so many
 

@@ -15,7 +15,7 @@ from service.cli.output_file import write
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.grading.result import GradedFile
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.levels import Isolation
 
 
 def verify_written(

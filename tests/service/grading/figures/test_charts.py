@@ -24,7 +24,7 @@ def test_the_measurement_that_comes_along_supports_every_claim_and_is_small():
 
 
 def test_the_claims_that_come_along_are_those_of_their_numbers():
-    from reference import cost, failures
+    from reference.charts import cost, failures
 
     for scene in DOCUMENT["scenes"]:
         made = cost.claims([cost.Point(*point) for point in scene["points"]], scene["floor"])

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from exercises.authoring.assignments.catalogue import find
-from service.grading.jobs import draw_inputs, job_of
+from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
 from service.sandbox import session
 from service.sandbox.guest.wire import CLOCK_FACTOR

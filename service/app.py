@@ -19,10 +19,12 @@ from service.api import (
     feedback,
     figures,
     health,
-    history,
     kit,
     parse_submission,
     submissions,
+)
+from service.api import (
+    past_submissions as history,
 )
 from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from reference.charts.errors import errors, exact_run
+from reference.charts.deviations import errors, exact_run
 from reference.charts.failures import EPSILON, Claim
 from reference.methods import HEAVY, METHODS
 from reference.methods.method import Scene

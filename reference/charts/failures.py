@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reference.charts.errors import errors
+from reference.charts.deviations import errors
 from reference.charts.scenes import EXERCISE_2, EXERCISE_6, TOP, nudged
 from reference.exact import Exact
 from reference.methods import METHODS

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reference.charts.cost import ENOUGH, RTOL, interleaved
-from reference.charts.errors import errors
+from reference.charts.deviations import errors
 from reference.charts.failures import BY_NAME, EPSILON, EPSILON_SINGLE
 from reference.charts.scenes import EXERCISE_2, EXERCISE_5, EXERCISE_6, TOP, nudged
 from reference.exact import Exact

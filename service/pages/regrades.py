@@ -14,7 +14,7 @@ from exercises.authoring.assignments.assignment import Assignment
 from service.api.submissions import Assigned, find_assignment
 from service.auth.forms import Form, field
 from service.auth.roles import Instructor, Staff
-from service.grading.result import MARKS, WORDS
+from service.grading.graded_file import MARKS, WORDS
 from service.http.errors import Problem
 from service.http.live import ChangeFeed, Listener
 from service.http.requests import identifier

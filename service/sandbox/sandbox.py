@@ -7,7 +7,7 @@ import threading
 
 from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
-from service.sandbox.isolation.identity import ROOT_ALLOWED, Identity
+from service.sandbox.isolation.credentials import ROOT_ALLOWED, Identity
 from service.sandbox.isolation.levels import Isolation
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, Cancelled, OnScene, PlayResult, SystemFault, TooBusy, ignore

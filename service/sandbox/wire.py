@@ -19,8 +19,8 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.claims import Claim
-from polhode.judging.notes import MOST_REMARKS, Absent, Notes
 from polhode.judging.outcome import Ended, SceneEnd
+from polhode.judging.remarks import MOST_REMARKS, Absent, Notes
 from service.sandbox import claims
 from service.sandbox.guest.cells.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
 from service.sandbox.guest.cells.place import Place

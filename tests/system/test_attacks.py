@@ -193,7 +193,7 @@ def impatient(rigid_body):
 @pytest.fixture
 def hurry(monkeypatch):
     """Little time to load, and little more than that before the host stops a guest."""
-    monkeypatch.setattr("service.grading.jobs.Job", partial(job.Job, load_budget_s=0.4))
+    monkeypatch.setattr("service.grading.sandbox_job.Job", partial(job.Job, load_budget_s=0.4))
     monkeypatch.setattr(session, "GRACE_S", 0.3)
 
 

@@ -13,7 +13,7 @@ from statistics import median
 
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.checks import Check
-from service.grading import result
+from service.grading import graded_file
 from service.store.course.gradebook import StudentRow
 from service.store.database import Row
 
@@ -22,7 +22,7 @@ DECADES = range(-4, 13)  # bins of log10(margin); the first and last bins includ
 EMPTY = "<td></td>"
 CELLS = {
     f"{state}{star}": f'<td class="{state}">{mark}{star}</td>'
-    for state, mark in result.MARKS.items()
+    for state, mark in graded_file.MARKS.items()
     for star in ("", "*")
 }
 

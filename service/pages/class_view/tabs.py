@@ -14,7 +14,7 @@ from pydantic import BaseModel, Field
 from exercises.authoring.assignments.assignment import Assignment
 from service.api.submissions import Assigned
 from service.auth.roles import Staff
-from service.grading import result
+from service.grading import graded_file
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages.class_view import charts, statistics
@@ -171,7 +171,7 @@ async def show_settings(
 
 
 def _page(request: Request, template: str, assignment: Assignment, **context: Any) -> Response:
-    common = {"assignment": assignment, "marks": result.MARKS, "state_labels": result.WORDS}
+    common = {"assignment": assignment, "marks": graded_file.MARKS, "state_labels": graded_file.WORDS}
     return templates.TemplateResponse(request, template, common | context)
 
 

@@ -23,7 +23,7 @@ from service.api.release import visible_row
 from service.api.submissions import Submission
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
-from service.grading import result
+from service.grading import graded_file
 from service.grading.figures import motion_data, rendering
 from service.http.errors import Problem
 from service.http.state import Db
@@ -32,7 +32,7 @@ from service.pages.submission import report_summary
 from service.pages.submission.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
 from service.store.course import comments, gradebook, overrides, regrade_requests
 from service.store.submissions import records, sweeps
-from service.store.submissions.history import gradings, previous, timeline
+from service.store.submissions.past_submissions import gradings, previous, timeline
 from service.store.submissions.records import SubmissionRecord
 
 router = APIRouter()
@@ -163,8 +163,10 @@ def _markup(render: Callable[..., str]) -> Callable[..., Markup]:
 
 def _judged(outcome: Outcome, scene_ends: list[SceneEnd]) -> str:
     """Return for the staff how the code stopped, the tolerance's numbers and their reason, and the margin."""
-    state, allowed = result.state(outcome, scene_ends), outcome.tolerance
-    stopped = f"{result.MARKS[state]} {result.WORDS[state]}; " if state in ("timeout", "error") else ""
+    state, allowed = graded_file.state(outcome, scene_ends), outcome.tolerance
+    stopped = (
+        f"{graded_file.MARKS[state]} {graded_file.WORDS[state]}; " if state in ("timeout", "error") else ""
+    )
     text = ", ".join(f"{name} {value:.3g}" for name, value in allowed.numbers().items())
     margin = "" if outcome.margin is None else f"; margin {outcome.margin:.3g}"
     return f"{stopped}allowed {text}{': ' if text else ''}{allowed.reason}{margin}"

@@ -181,7 +181,7 @@ def _import(library: str) -> None:
     for name in MODULES[library]:
         importlib.import_module(name)
     if library == "matplotlib":
-        importlib.import_module("guest.drawing").install()
+        importlib.import_module("guest.headless_matplotlib").install()
     if library == IPYTHON:
         sys.modules["guest.cells.shell"].warm_up()
 

@@ -97,8 +97,8 @@ def euler_eqs(t, w, I):
         frame.f_locals["calls"][0] = NUMBER
     return np.cross(I * w, w) / I
 """
-TIMED = """import itertools, polhode.judging.timing
-polhode.judging.timing.thread_time = map(lambda n: n * NUMBER, itertools.count()).__next__
+TIMED = """import itertools, polhode.judging.cpu_time
+polhode.judging.cpu_time.thread_time = map(lambda n: n * NUMBER, itertools.count()).__next__
 def euler_eqs(t, w, I):
     return np.cross(I * w, w) / I
 """

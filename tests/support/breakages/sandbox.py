@@ -50,7 +50,7 @@ SANDBOX = [
         "service/sandbox/isolation/levels.py",
         "opened = folders if user is not None else []",
         "opened = folders[:0]",
-        ("tests/service/sandbox/isolation/test_identity.py",),
+        ("tests/service/sandbox/isolation/test_credentials.py",),
     ),
     Breakage(
         "a submission may list the scratch folder",

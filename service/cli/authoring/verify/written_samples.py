@@ -14,7 +14,7 @@ from service.cli.batch_progress import Progress
 from service.cli.output_file import write
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.sandbox.isolation.levels import Isolation
 
 

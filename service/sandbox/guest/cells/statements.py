@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any
 
-from polhode.notebook.cells import DEFINITION
+from polhode.notebook.cell_source import DEFINITION
 from polhode.notebook.names import names_in
 
 from ..budget import OutOfTime

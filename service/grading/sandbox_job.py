@@ -11,7 +11,7 @@ from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
 from exercises.authoring.importing.validation_cells import ReportedLine
 from polhode.judging.checks import Arrays
 from polhode.kinds.asking import unit_of
-from service.grading.published.cells import with_published
+from service.grading.published.given_cells import with_published
 from service.grading.submission import Submission
 from service.sandbox.job import FunctionsApart, Job, Line, SceneRequest
 

@@ -5,8 +5,8 @@ from time import thread_time
 import numpy as np
 import pytest
 
+from polhode.judging.cpu_time import LONG_S, REPEATED, seconds_of_a_call, timed_runs
 from polhode.judging.return_value import WrongAnswer
-from polhode.judging.timing import LONG_S, REPEATED, seconds_of_a_call, timed_runs
 
 T = np.linspace(0.0, 6.0, 7)
 SETTINGS = [("DOP853", 1e-3), ("DOP853", 1e-9), ("DOP853", 1e-11), ("LSODA", 1e-3)]

@@ -6,11 +6,11 @@ import re
 import pytest
 
 from service.cli.__main__ import main
-from service.grading.figures import charts
+from service.grading.figures import method_charts
 from service.grading.figures.chart_drawing import draw
 from tests.support.asgi import visit
 
-DOCUMENT = charts.load()
+DOCUMENT = method_charts.load()
 MOST_PAGE, MOST_DATA = 150_000, 300_000
 
 
@@ -20,7 +20,7 @@ def test_the_measurement_that_comes_along_supports_every_claim_and_is_small():
     assert len(claims) > 25 and all(holds for _, holds in claims)
     assert len(DOCUMENT["least"]) == 9 and all(row[-1] for row in DOCUMENT["least"])
     assert DOCUMENT["measured_at"] and DOCUMENT["versions"]["numpy"]
-    assert charts.MEASURED.stat().st_size < MOST_DATA
+    assert method_charts.MEASURED.stat().st_size < MOST_DATA
 
 
 def test_the_claims_that_come_along_are_those_of_their_numbers():
@@ -34,9 +34,9 @@ def test_the_claims_that_come_along_are_those_of_their_numbers():
         assert [[*claim] for claim in picture.claims(curves)] == shown["claims"], picture.title
 
 
-@pytest.mark.parametrize("number", range(charts.count(DOCUMENT, "cost")))
+@pytest.mark.parametrize("number", range(method_charts.count(DOCUMENT, "cost")))
 def test_a_chart_of_cost_names_its_steppers_the_closed_form_and_the_price_of_python(number):
-    svg = draw(charts.chart(DOCUMENT, "cost", number)).decode()
+    svg = draw(method_charts.chart(DOCUMENT, "cost", number)).decode()
     names = re.findall(r'class="name c\d">([^<]+)<', svg)
     heavy = DOCUMENT["scenes"][number]["name"] == "heavy top"
     assert {"RK4", "DOP853", "splitting 6", "closed form"} <= set(names) and len(names) == 7 - heavy
@@ -48,7 +48,7 @@ def test_a_chart_of_cost_names_its_steppers_the_closed_form_and_the_price_of_pyt
 
 
 def test_one_command_measures_and_draws_everything(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(charts, "measure", lambda: DOCUMENT)
+    monkeypatch.setattr(method_charts, "measure", lambda: DOCUMENT)
     assert main(["chart", "--out", str(tmp_path / "new")]) == 0
     assert json.loads((tmp_path / "new" / "reference.json").read_text()) == DOCUMENT
     drawn = {path.name for path in (tmp_path / "new").glob("*.svg")}
@@ -57,7 +57,7 @@ def test_one_command_measures_and_draws_everything(tmp_path, monkeypatch, capsys
 
 @pytest.mark.slow
 def test_what_the_command_measures_is_the_same_but_for_times(capsys):
-    fresh = charts.measure()
+    fresh = method_charts.measure()
     assert fresh.keys() == DOCUMENT.keys()
     assert [s["name"] for s in fresh["scenes"]] == [s["name"] for s in DOCUMENT["scenes"]]
     for old, new in zip(DOCUMENT["pictures"], fresh["pictures"], strict=True):

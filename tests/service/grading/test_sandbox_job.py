@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.authoring.assignments.catalogue import assignments
-from service.grading.jobs import draw_inputs, job_of, truth
+from service.grading.sandbox_job import draw_inputs, job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.guest import wire
 

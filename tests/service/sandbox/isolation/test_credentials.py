@@ -13,7 +13,7 @@ import pytest
 from service.sandbox.guest.confinement.lockdown import GUEST_UID
 from service.sandbox.isolation import bubblewrap, levels, select
 from service.sandbox.isolation.bubblewrap import find_bubblewrap, namespace_isolation
-from service.sandbox.isolation.identity import Identity
+from service.sandbox.isolation.credentials import Identity
 from service.sandbox.isolation.levels import process_isolation
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import SystemFault

@@ -6,8 +6,8 @@ import time
 from typing import Any
 
 from polhode.client import course
-from polhode.client.health import health
 from polhode.client.progress import Line
+from polhode.client.server_status import health
 from polhode.client.tokens import NotLoggedIn, authorization, store, tokens
 from polhode.client.transport.http import CONTACT_S, HTTPError, Unreachable, call
 

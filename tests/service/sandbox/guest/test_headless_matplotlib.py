@@ -4,7 +4,7 @@ import pytest
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
-from service.sandbox.guest.drawing import NO_LATEX
+from service.sandbox.guest.headless_matplotlib import NO_LATEX
 from service.sandbox.job import Cell, Job, SceneRequest
 
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"

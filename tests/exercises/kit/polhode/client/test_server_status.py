@@ -3,7 +3,7 @@
 import pytest
 
 import polhode
-from polhode.client import cache, course, health
+from polhode.client import cache, course, server_status
 from polhode.client.build import WHEEL, build
 from tests.support.fake_server import Scripted, problem, says
 
@@ -22,7 +22,7 @@ ME = says(200, {"person": "ann", "local": False})
 @pytest.fixture
 def server(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(health, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(server_status, "PATIENCE_S", 0.1)
     monkeypatch.setattr(course, "_connected", [course.Course()])
     monkeypatch.setenv("TZ", "UTC")
     started = Scripted()
@@ -75,7 +75,7 @@ def test_what_fails_is_said_and_does_not_stop_the_notebook(server, capsys):
 
 
 def test_without_the_server_the_local_checks_remain(server, capsys, monkeypatch):
-    monkeypatch.setattr("polhode.client.identity.CONTACT_S", 0.1)
+    monkeypatch.setattr("polhode.client.login.CONTACT_S", 0.1)
     monkeypatch.setattr(cache, "PATIENCE_S", 0.1)
     polhode.connect("http://polhode.invalid", assignment="rigid-body")
     polhode.login()

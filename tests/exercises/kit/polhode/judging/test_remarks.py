@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.judging.notes import MOST_REMARKS, Absent, Notes, absent, noting, remark, unsaid
+from polhode.judging.remarks import MOST_REMARKS, Absent, Notes, absent, noting, remark, unsaid
 from polhode.judging.return_value import Kept, WrongAnswer, real_array
 from polhode.kinds.asking import returned
 

@@ -8,7 +8,7 @@ import pytest
 from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.publishing.publish import BROUGHT
 from service.grading.grade import grade
-from service.grading.published.cells import with_published
+from service.grading.published.given_cells import with_published
 from service.grading.submission import Submission
 from service.sandbox.job import Cell
 from tests.support.course_notebook import code

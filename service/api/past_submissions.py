@@ -15,7 +15,7 @@ from service.auth.identity import STAFF, Person, Reader
 from service.http.openapi import PERSON, problems
 from service.http.state import Db
 from service.store.course import deadlines
-from service.store.submissions.history import PastSubmission, past_submissions
+from service.store.submissions.past_submissions import PastSubmission, past_submissions
 
 router = APIRouter(tags=["Submissions"])
 

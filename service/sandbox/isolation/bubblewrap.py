@@ -38,7 +38,7 @@ from service.sandbox.isolation.levels import (
 GUEST_HOME = "/polhode"  # not /tmp: the checkout itself may lie there
 # Apart, because Landlock's rules hold for everything below a folder.
 GUEST_CODE, GUEST_DATA, MATPLOTLIB = f"{GUEST_HOME}/code", f"{GUEST_HOME}/data", f"{GUEST_HOME}/matplotlib"
-ROOMS = [f"{GUEST_HOME}/scratch/{number}" for number in range(1 + (os.cpu_count() or 1))]
+GUEST_SCRATCH = f"{GUEST_HOME}/scratch"
 
 
 def namespace_isolation(
@@ -64,7 +64,7 @@ def namespace_isolation(
         readable=readable,
         listable=[SITE_PACKAGES, STANDARD_LIBRARY],
         folders=[],
-        scratch=ROOMS,
+        scratch=GUEST_SCRATCH,
     )
     variables = ENVIRONMENT | {"MPLCONFIGDIR": MATPLOTLIB, "HOME": GUEST_HOME}
     setting = (part for pair in variables.items() for part in ("--setenv", *pair))
@@ -116,7 +116,6 @@ def _files(binds: list[Path], course: Mapping[str, Path]) -> list[str]:
         Path(GUEST_HOME),
         Path(GUEST_CODE),
         *map(Path, course),
-        Path(ROOMS[0]).parent,
     }
     args: list[str] = []
     for folder in sorted(folder for folder in folders if not folder.is_relative_to(STANDARD_LIBRARY)):
@@ -138,8 +137,8 @@ def _files(binds: list[Path], course: Mapping[str, Path]) -> list[str]:
     args += [part for place, folder in course.items() for part in ("--ro-bind", str(folder), place)]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
-    for room, size in {MATPLOTLIB: MIB, **dict.fromkeys(ROOMS, ROOM)}.items():
-        args += ["--perms", "0777", "--size", str(size), "--tmpfs", room]
+    for place, size in {MATPLOTLIB: MIB, GUEST_SCRATCH: ROOM}.items():
+        args += ["--perms", "0777", "--size", str(size), "--tmpfs", place]
     for cached in font_list():
         args += ["--ro-bind", str(cached), f"{MATPLOTLIB}/{cached.name}"]
     return args

@@ -151,7 +151,7 @@ def process_isolation(
         readable=[*readable, DATA],
         listable=[*path, STANDARD_LIBRARY],
         folders=opened,
-        scratch=[SCRATCH],
+        scratch=SCRATCH,
     )
     around = (
         (str(INTERPRETER), "-I", "-S", "-c", OPEN_FOLDERS, json.dumps(opened, default=str)) if opened else ()

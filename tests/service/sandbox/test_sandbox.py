@@ -257,7 +257,7 @@ def test_the_folders_around_its_own_can_be_neither_listed_nor_read(sandbox):
     body = """
 import os
 told = []
-for folder in ["/polhode", "/polhode/scratch", "..", "../..", "/polhode/scratch/1", "/polhode/matplotlib"]:
+for folder in ["/polhode", "/polhode/scratch", "..", "../..", "/polhode/matplotlib"]:
     try:
         told += [folder, *os.listdir(folder)]
     except PermissionError:
@@ -377,18 +377,6 @@ def test_submissions_do_not_see_each_other(either_sandbox):
         "import sys, builtins\nprint(json.dumps([np.pi, hasattr(builtins, 'left'), 'left' in sys.modules]))"
     )
     assert attempt(either_sandbox, body) == [[np.pi, False, False]]
-
-
-def test_a_copy_is_locked_down_plays_and_ends_alone(either_sandbox):
-    copies = [either_sandbox.copy() for _ in range(2)]
-    for sandbox in copies:
-        sandbox.self_test()
-    assert copies[0].wait_ready() == either_sandbox.wait_ready()  # the same unprivileged user
-    copies[0].close()
-    for sandbox in (copies[1], either_sandbox, copies[0]):  # the closed one starts a guest of its own
-        assert sandbox.play(job(GOOD)).arrays["one"]["x"].tolist() == [1.0, 2.0]
-    for sandbox in copies:
-        sandbox.close()
 
 
 @BY_THE_HOST

@@ -170,19 +170,6 @@ def test_a_child_sees_neither_folders_of_others_nor_their_names(either_sandbox):
         assert "PermissionError" in end.sentence or "FileNotFoundError" in end.sentence
 
 
-def test_copies_play_in_folders_of_their_own(either_sandbox):
-    copies = [either_sandbox.copy() for _ in range(2)]
-    try:
-        source = "import os\nopen('x', 'w').close()\nprint(os.getcwd(), os.listdir())"
-        told = [played(one, source).stdout.split() for one in (either_sandbox, *copies)]
-    finally:
-        for one in copies:
-            one.close()
-    assert len({place for place, _ in told}) == 3 and {seen for _, seen in told} == {"['x']"}
-    if either_sandbox.isolation.level == "namespaces":  # each has a file system of its own
-        assert len({os.path.dirname(place) for place, _ in told}) == 3
-
-
 @pytest.fixture
 def data(tmp_path):
     """Data files by their names: two small ones, and some that are too large together."""

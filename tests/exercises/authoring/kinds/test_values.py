@@ -188,11 +188,11 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
         right, rows = outcome.partial.right, outcome.partial.rows
         assert outcome.verdict is Verdict.FAIL and outcome.earned == 4 * right // rows
         assert outcome.notes()[-1] == f"{right} of {rows} inputs are right: {outcome.earned} of 4 points"
-    assert report.score == public.earned + hidden.earned + 2 and report.max_score == 10
+    assert report.score == public.earned + hidden.earned + 8 and report.max_score == 16
     of = "[outcome.line, outcome.earned, outcome.points, outcome.notes()], report.summary()"
     local, summaries = zip(*json.loads(check_locally("toolbox", PARTLY, tmp_path, f"[{of}]")), strict=True)
     assert (
-        summaries[0].startswith(f"{public.earned + 1} of ") and "points of the public checks" in summaries[0]
+        summaries[0].startswith(f"{public.earned + 4} of ") and "points of the public checks" in summaries[0]
     )
     assert list(local) == [[o.line, o.earned, o.points, o.notes()] for o in report.outcomes() if not o.hidden]
 

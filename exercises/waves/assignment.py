@@ -581,8 +581,8 @@ def spectrum_and_modes(ask):
     spectrum.case("", samples)
 
     def of_three_lengths(spectrum, x, dt, N):
-        """Both values for 2, N and 203 - N samples, a row each. Zeros fill each row up to 101 numbers, as rows
-        have one length, and the answer to every input has one shape.
+        """Both values for 2, N and 203 - N samples, a row each. Zeros fill each row up to 101 numbers, as
+        rows have one length, and the answer to every input has one shape.
         """
         frequencies, amplitudes = [], []
         for n in (2, N, 203 - N):

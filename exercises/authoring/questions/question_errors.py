@@ -86,8 +86,10 @@ def family_errors(family: Family) -> Iterator[str]:
 
 
 def _of_truth(question: Question) -> Iterator[str]:
-    truth = question.truth
-    if truth is None and not question.known:
+    truth, compared = question.truth, question.data.get("compared", ())
+    missing = [name for name in compared if name not in question.known]
+    yield from (f"{name} has no truth: give a number or a function that computes it" for name in missing)
+    if truth is None and not question.known and not question.variables:
         yield (
             f"{question.function} has no truth: give a closed form, a second method, or call"
             " is_its_own_truth(because=…)"

@@ -178,7 +178,6 @@ OTHERS = [
     Tolerance(reason="of a test"),
     Tolerance(limit=1.0, reason=3),
     Tolerance(limit="1", reason="of a test"),
-    Tolerance(limit=1.0, atol=1.0, reason="both"),
     Value(3),
     Value(NEAR, label=3),
     Value(NEAR, up_to=[]),

@@ -108,6 +108,7 @@ def free_fall(ask):
             'cell("g_fit other")',
             ["other has no truth and no claim: give one, or do not ask for it"],
         ),
+        ('"g_fit", 9.81', '"g_fit"', ["g_fit has no truth: give a number or a function that computes it"]),
         ("error <", "spread <", ["the cell does not assign spread"]),
     ],
 )

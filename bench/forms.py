@@ -10,8 +10,8 @@ import time
 from exercises.authoring.assignments.catalogue import find
 from service.grading.grader import Grader
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 
 RIGID_BODY = find("rigid-body")
 FORMS = (

@@ -14,8 +14,8 @@ from exercises.authoring.assignments.catalogue import find
 from service.grading.figures.rendering import pack
 from service.grading.grader import Grader
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 
 RIGID_BODY = find("rigid-body")
 FILE = RIGID_BODY.folder / "samples" / "right_course_notebook.ipynb"

@@ -14,8 +14,8 @@ from polhode.judging.outcome import SweepResult
 from polhode.notebook.outputs import is_notebook
 from service.grading.figures import rendering
 from service.grading.grade import Graded, UnknownExercise, select
+from service.grading.graded_file import GradedFile
 from service.grading.grader import Grader, SweepFailed
-from service.grading.result import GradedFile
 from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox

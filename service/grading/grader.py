@@ -13,9 +13,9 @@ from service.grading.author_errors import author_errors, find_assignment
 from service.grading.diagnosis.reproduction import LIMITS
 from service.grading.figures import rendering
 from service.grading.grade import Graded, grade
-from service.grading.jobs import job_of, truth
 from service.grading.playing import OnProgress, play
 from service.grading.published.loops import has_loops
+from service.grading.sandbox_job import job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget

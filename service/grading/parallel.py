@@ -8,9 +8,9 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.sharedctypes import Synchronized
 
 from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
+from service.grading.graded_file import GradedFile
 from service.grading.grader import Grader
-from service.grading.result import GradedFile
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import SceneEnd
-from service.sandbox.guest.place import Place
+from service.sandbox.guest.cells.place import Place
 from service.sandbox.guest.wire import APART, BYTES, FILES, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0

@@ -7,8 +7,8 @@ import threading
 
 from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
-from service.sandbox.identity import ROOT_ALLOWED, Identity
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.credentials import ROOT_ALLOWED, Identity
+from service.sandbox.isolation.levels import Isolation
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, Cancelled, OnScene, PlayResult, SystemFault, TooBusy, ignore
 from service.sandbox.self_test_job import self_test_job

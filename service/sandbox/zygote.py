@@ -27,7 +27,7 @@ from service.sandbox.guest.zygote import (
     REAPED,
 )
 from service.sandbox.guest_process import GuestProcess
-from service.sandbox.identity import Identity
+from service.sandbox.isolation.credentials import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.session import ChildExit, PlaySession

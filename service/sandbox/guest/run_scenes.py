@@ -14,17 +14,17 @@ import numpy as np
 import polhode
 from polhode.animation import animate
 from polhode.judging.author_errors import AuthorError, author_error, checked_arrays
-from polhode.judging.notes import Absent, noting
+from polhode.judging.remarks import Absent, noting
 from polhode.judging.return_value import is_written, missing
 
 from . import unused_libraries
 from .budget import Budget, limited
 from .calls import LOADED, Channel
-from .cells import Cells, Stopped
-from .claims import Recorder
+from .cells.claims import Recorder
+from .cells.running import Cells, Stopped
 from .ending import Cause, ending
-from .forms import in_form_of
 from .nothing import NOTHING
+from .returned_forms import in_form_of
 from .seal import Seal, in_place, names_used, private_modules
 from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE

@@ -27,7 +27,7 @@ import traceback
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
-from .scratch import FULL, WATCH_S, Scratch
+from .confinement.scratch import FULL, WATCH_S, Scratch
 
 NEEDED = {
     "scipy": 95,
@@ -43,7 +43,7 @@ the child ended because its scratch folder was full.
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
     "polhode.animation.animation_recording",
-    "guest.lockdown",
+    "guest.confinement.lockdown",
     "guest.reference",
     "guest.run_scenes",
     "hashlib",
@@ -59,7 +59,7 @@ MODULES = {
         "matplotlib.pyplot",
         "mpl_toolkits.mplot3d.art3d",
     ),
-    IPYTHON: ("guest.shell",),
+    IPYTHON: ("guest.cells.shell",),
 }
 IMPORT, COPY = b"import ", b"copy"
 LATER = "libraries-later"
@@ -86,13 +86,13 @@ def main(
     enough.
     """
     control = socket.socket(fileno=control_fd)
-    from .lockdown import Layers, die_with_parent, drop_privileges, identity
+    from .confinement.lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
     gc.disable()  # a collection of so many objects takes 20 ms and finds little
     for name in WARM:
         importlib.import_module(name)
-    sys.modules["guest.claims"].course[:] = course
+    sys.modules["guest.cells.claims"].course[:] = course
     if when == LATER:
         importlib.import_module("guest.unused_libraries").install()
     else:
@@ -101,7 +101,7 @@ def main(
         for library in libraries:
             with contextlib.suppress(Exception):  # what fails here fails in the child too, and is named there
                 importlib.import_module(library)
-    importlib.import_module("guest.readable_modules").install()
+    importlib.import_module("guest.confinement.readable_modules").install()
     gc.freeze()
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(
@@ -123,7 +123,7 @@ def main(
 
 def _obey(control: socket.socket, layers: Any, rooms: Sequence[str]) -> None:
     """Do what the control socket asks for, until the host closes it."""
-    from .lockdown import identity
+    from .confinement.lockdown import identity
 
     room, copies = rooms[0], 0
     while True:
@@ -181,9 +181,9 @@ def _import(library: str) -> None:
     for name in MODULES[library]:
         importlib.import_module(name)
     if library == "matplotlib":
-        importlib.import_module("guest.drawing").install()
+        importlib.import_module("guest.headless_matplotlib").install()
     if library == IPYTHON:
-        sys.modules["guest.shell"].warm_up()
+        sys.modules["guest.cells.shell"].warm_up()
 
 
 def _reap(children: list[int], handles: list[int], scratch: Scratch) -> bytes:
@@ -223,7 +223,7 @@ def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], cpu_s: int) 
     if child := os.fork():
         return child
     try:
-        sys.modules["guest.lockdown"].die_with_parent(zygote)
+        sys.modules["guest.confinement.lockdown"].die_with_parent(zygote)
         scratch.enter()
         layers.own_folder(scratch.path)
     except BaseException:

@@ -11,7 +11,7 @@ from service.formats.source_lines import SourceLines
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.sandbox.guest_process import PREFIX
-from service.sandbox.select import choose
+from service.sandbox.isolation.select import choose
 from tests.support.big_notebook import with_outputs
 
 

@@ -17,11 +17,11 @@ import pytest
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox import session, zygote
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.levels import Isolation
+from service.sandbox.isolation.select import choose
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from tests.support.isolation import BY_THE_HOST
 from tests.support.machines import children
 
@@ -478,7 +478,7 @@ def test_a_zygote_is_recycled_after_many_plays_and_after_an_odd_one(monkeypatch,
 
 HOST = """
 import time
-from service.sandbox.select import choose
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.isolation import process_isolation
 sandbox = Sandbox(ISOLATION)

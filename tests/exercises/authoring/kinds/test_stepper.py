@@ -12,7 +12,7 @@ from exercises.authoring.questions.question_errors import question_errors
 from polhode import kinds
 from polhode.judging.outcome import Tolerance
 from polhode.kinds import stepper as kit
-from polhode.report.drawing import draw
+from polhode.report.figure_files import draw
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.solutions import solution

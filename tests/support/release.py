@@ -196,8 +196,8 @@ def serve(polhode: Path, folder: Path, environment: dict[str, str]) -> str:
 
 
 def keep(polhode: Path, folder: Path, environment: dict[str, str]) -> None:
-    """Back up what ``serve`` has stored in ``folder``, and restore it into an empty database that has the same
-    content.
+    """Back up what ``serve`` has stored in ``folder``, and restore it into an empty database, which must then
+    have the same content.
     """
     backup = folder / "backup.dump"
     run(polhode, "db", "backup", backup, env=environment, cwd=folder)

@@ -10,7 +10,7 @@ from starlette.routing import Match
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.index import line_counts
 from service.api.health import WorkerStatus
-from service.api.history import list_own
+from service.api.past_submissions import list_own
 from service.api.release import visible_row
 from service.api.submissions import Available, Stored
 from service.auth import forms

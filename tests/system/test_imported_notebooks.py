@@ -11,15 +11,15 @@ from dataclasses import replace
 
 import pytest
 
-from exercises.authoring.importing.declaration import Findings, declaration
+from exercises.authoring.importing.assignment_file import Findings, assignment_file
 from exercises.authoring.importing.importing import read_published
 from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from tests.support.assignments import change, known
 from tests.support.course_notebook import FILE, LABELS
 from tests.support.course_shape import (
@@ -42,7 +42,7 @@ def imported_folder(folder, name, text):
     made = read_published(file, folder / "course", {})
     home = folder / made.slug.replace("-", "_")
     written(home, file.name, text)
-    written(home, "assignment.py", declaration(made, Findings()))
+    written(home, "assignment.py", assignment_file(made, Findings()))
     return home
 
 

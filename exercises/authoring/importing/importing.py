@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from exercises.authoring.assignments.assignment import PublishedCell
-from exercises.authoring.importing.dependencies import dependencies
+from exercises.authoring.importing.requirements import dependencies
 from exercises.authoring.importing.titles import notebook_title
 from exercises.authoring.importing.validation_cells import Placed, placed_calls, published_cells
 from exercises.authoring.importing.words import words
@@ -62,7 +62,7 @@ def read_published(
             f"{path.name} is a notebook of {other}: docs/authors/from-nbgrader-or-otter.md says how its tests"
             " become questions"
         )
-    if wrong := list(errors(cells, (), {})):
+    if wrong := list(errors(cells)):
         raise InvalidNotebook(f"{path.name}: {'; '.join(wrong)}{NEWER}")
     known = words((course,))
     published = published_cells(cells, (), known)

@@ -13,7 +13,7 @@ from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.lines import Line, ReportedLine
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
-from polhode.notebook.cells import statements_of
+from polhode.notebook.cell_source import statements_of
 from polhode.report.report import Report
 
 UNTOUCHED, COPIED, SOLVED = "untouched.ipynb", "copied_values.ipynb", "your_solutions.ipynb"

@@ -20,7 +20,7 @@ from polhode.judging.checks import Check
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
-from polhode.notebook.cells import python_of, statements_of
+from polhode.notebook.cell_source import python_of, statements_of
 
 WITHIN_EXERCISE = re.compile(r"(validation|solution)\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check

@@ -14,17 +14,17 @@ from pathlib import Path
 
 from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.assignment import InvalidAssignment
-from exercises.authoring.importing.declaration import Findings, declaration
-from exercises.authoring.importing.dependencies import requirements
+from exercises.authoring.importing.assignment_file import Findings, assignment_file
 from exercises.authoring.importing.importing import PublishedNotebook, read_published
 from exercises.authoring.importing.lines import ReportedLine, Status
+from exercises.authoring.importing.requirements import requirements
 from exercises.authoring.questions.author_notebook import InvalidNotebook
 from service.cli.authoring.new_assignment import CannotScaffold, created
 from service.cli.errors import CommandError
 from service.grading.published.dry_run import DryRun, dry_run
+from service.sandbox.isolation.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.settings import Settings
 
 REQUIREMENTS, DRY_RUN = "requirements.txt", "dry-run.txt"
@@ -97,7 +97,7 @@ def _created(
             notebook = read_published(
                 file, into / course_packages.FOLDER, wanted, arguments.slug, arguments.prefix
             )
-            text = declaration(notebook, Findings())
+            text = assignment_file(notebook, Findings())
             content = {
                 catalogue.DECLARATION: text.encode(),
                 file.name: notebook.content,
@@ -152,7 +152,7 @@ def _dry_runs(
 def _finish(folder: Path, notebook: PublishedNotebook, run: DryRun | None) -> bool:
     """Write what a dry run found into the assignment's folder, and print it. Return whether it is valid."""
     if run is not None:
-        (folder / catalogue.DECLARATION).write_text(declaration(notebook, run.found), encoding="utf-8")
+        (folder / catalogue.DECLARATION).write_text(assignment_file(notebook, run.found), encoding="utf-8")
         (folder / DRY_RUN).write_text(run.text(), encoding="utf-8")
     try:
         assignment = catalogue.find(notebook.slug)

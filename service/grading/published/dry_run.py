@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.authoring.importing.declaration import Findings
+from exercises.authoring.importing.assignment_file import Findings
 from exercises.authoring.importing.importing import PublishedNotebook
 from exercises.authoring.importing.influence import computing, computing_cells, influenced, is_independent
 from exercises.authoring.importing.validation_cells import Placed

@@ -8,7 +8,7 @@ from exercises.authoring.importing.line_samples import line_samples
 from exercises.authoring.importing.lines import ReportedLine
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.levels import Isolation
 
 
 def has_lines(assignment: Assignment) -> bool:

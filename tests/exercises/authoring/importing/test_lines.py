@@ -2,32 +2,40 @@
 
 import pytest
 
-from exercises.authoring.importing.lines import Line, Status, is_self_reported
-from exercises.authoring.questions.author import Notebook
+from exercises.authoring import Notebook
+from exercises.authoring.importing.lines import Status, is_self_reported
 from tests.support.course_shape import published, written
 
-TWICE = "twice the sum is 20"
+
+def declared(home, **arguments):
+    """A notebook whose declaration takes over one line with these arguments."""
+    written(home, "sums.ipynb", published())
+    made = Notebook("sums.ipynb")
+
+    @made.exercise("1", "Task 1")
+    def task(ask):
+        ask.line("twice the sum is 20", **arguments)
+
+    return made
 
 
 @pytest.mark.parametrize(
-    ("declared", "status"),
+    ("arguments", "status"),
     [
-        (Line(TWICE), Status.SELF_REPORTED),
-        (Line(TWICE, truth=20), Status.COUNTS),
-        (Line(TWICE, trust=True), Status.COUNTS),
-        (Line(TWICE, truth=20, shown=True), Status.SHOWN),
-        (Line(TWICE, truth=20, shown=True, accept=True), Status.COUNTS),
-        (Line(TWICE, given=True), Status.GIVEN),
+        ({}, Status.SELF_REPORTED),
+        ({"truth": 20}, Status.COUNTS),
+        ({"trust": True}, Status.COUNTS),
+        ({"truth": 20, "shown": True}, Status.SHOWN),
+        ({"truth": 20, "shown": True, "accept": True}, Status.COUNTS),
+        ({"given": True}, Status.GIVEN),
     ],
 )
-def test_a_line_counts_if_it_is_compared_with_what_a_student_cannot_know(tmp_path, declared, status):
-    home = tmp_path / "sums"
-    written(home, "sums.ipynb", published())
-    made = Notebook("Sums", notebook="sums.ipynb")
-    made.exercise("1", "Task 1", declared)
-    assert declared.status is status and made.errors(home) == []
-    assignment = made.assignment(home)
+def test_a_line_counts_if_it_is_compared_with_what_a_student_cannot_know(tmp_path, arguments, status):
+    made = declared(tmp_path, **arguments)
+    assert made.errors(tmp_path) == []
+    assignment = made.assignment(tmp_path)
     (check,) = assignment.checks()
+    assert check.declared.status is status
     assert (assignment.points_note == "") is (check.points == 1) is (status is Status.COUNTS)
     assert is_self_reported(check) is (status is Status.SELF_REPORTED)
     outcome = check.reported([], "the cell stopped")
@@ -35,8 +43,5 @@ def test_a_line_counts_if_it_is_compared_with_what_a_student_cannot_know(tmp_pat
 
 
 def test_what_is_right_without_a_student_cannot_be_made_to_count(tmp_path):
-    written(tmp_path, "sums.ipynb", published())
-    made = Notebook("Sums", notebook="sums.ipynb")
-    made.exercise("1", "Task 1", Line(TWICE, given=True, trust=True, line=9))
-    (error,) = made.errors(tmp_path)
-    assert "line 9: with given=True it is ✓ without any student's code, so it cannot count" in error
+    (error,) = declared(tmp_path, given=True, trust=True).errors(tmp_path)
+    assert "with given=True it is ✓ without any student's code, so it cannot count" in error

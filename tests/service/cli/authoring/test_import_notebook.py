@@ -167,3 +167,17 @@ def test_what_an_emptied_cell_imported_is_found_in_the_texts(tmp_path):
         command = ["import-notebook", str(file), "--into", str(tmp_path / "into"), "--package", str(lab)]
         assert main(command) == 0
     assert 'packages=("sympy",),' in (tmp_path / "into" / "symbols" / "assignment.py").read_text()
+
+
+def test_a_course_module_that_cannot_be_imported_is_named_and_the_rest_is_imported(tmp_path, capsys):
+    lab = written(tmp_path / "lab", "__init__.py", "").parent
+    written(lab, "ring.py", "from lab.chain import b\na = 1\n")
+    written(lab, "chain.py", "from lab.ring import a\nb = 1\n")
+    written(tmp_path / "in", "one.ipynb", published(setup="from lab import ring\nfrom ecp import validate\n"))
+    written(tmp_path / "in", "two.ipynb", published())
+    command = ["import-notebook", str(tmp_path / "in"), "--into", str(tmp_path / "into")]
+    with known():
+        main([*command, "--package", str(lab)])
+    printed = capsys.readouterr()
+    assert "circular import" in printed.out + printed.err and "one" in printed.out + printed.err
+    assert "two: 5 of 5 lines: 2 value shown" in printed.out

@@ -55,3 +55,10 @@ def test_the_authors_solutions_run_too(tmp_path, sandbox):
 def test_memory_beyond_that_of_a_submission_is_measured(tmp_path, sandbox):
     _, made = run(tmp_path, sandbox, setup=SETUP + "big = np.ones((80, 1 << 20))\n")
     assert made.failures == {} and made.found.budgets()["memory_mb"] > 1024
+
+
+def test_a_given_cell_that_never_ends_is_named_and_the_others_run(tmp_path, sandbox, monkeypatch):
+    monkeypatch.setattr("service.grading.published.dry_run.CELL_S", 0.5)
+    _, made = run(tmp_path, sandbox, checks=("while True:\n    pass\n", *CHECKS[1:]))
+    assert "used more than 0.5 s of CPU time" in made.failures["published cell 3"]
+    assert [line.call.label for line in made.found.truths] == ["the series is near π"]

@@ -52,8 +52,8 @@ async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, dat
 
 @post_form(router, "/assignments/{slug}/rules", page=class_tabs.show_settings, at=class_tabs.SETTINGS)
 async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
-    """Set from when the assignment is available, deadline, grace period, submission limit and weight. An
-    empty field means no limit, and the weight 1.
+    """Publish the assignment or make it a draft; set from when it is available, deadline, grace period,
+    submission limit and weight. An empty field means no limit, and the weight 1.
     """
     grace = forms.number(form, "grace", 0, MOST_GRACE_MIN, 0.0)
     most = forms.number(form, "most", 1, MOST_ALLOWED, None)
@@ -65,6 +65,8 @@ async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, 
         "submission_limit": None if most is None else int(most),
         "weight": 1.0 if weight is None else weight,
     }
+    if published := forms.field(form, "published"):
+        settings["published"] = published == "yes"
     await assignment_settings.change(database, assignment.slug, settings, person.name)
     return RedirectResponse(f"/assignments/{assignment.slug}/class/settings", 303)
 

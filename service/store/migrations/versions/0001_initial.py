@@ -63,6 +63,7 @@ def _create_course() -> None:
         id uuid PRIMARY KEY DEFAULT gen_random_uuid(),
         course_id uuid NOT NULL REFERENCES course,
         slug text NOT NULL,
+        published boolean NOT NULL DEFAULT false,
         available_from timestamptz,
         due_at timestamptz,
         grace_s double precision NOT NULL DEFAULT 0,

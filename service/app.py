@@ -39,12 +39,14 @@ from service.pages import (
     class_tabs,
     course,
     course_settings,
+    first_run,
     gradebook,
     login,
     overrides,
     people,
     queue,
     regrades,
+    setup,
     speed_vs_accuracy,
     submission,
 )
@@ -70,6 +72,8 @@ ROUTERS = (
 )
 PAGES = (
     course.router,
+    first_run.router,
+    setup.router,
     people.router,
     course_settings.router,
     class_tabs.router,

@@ -19,7 +19,7 @@ from service.http.requests import PublicAddress, is_own_host
 from service.http.state import Config, Db, Held
 from service.settings import Settings
 from service.store.database import Database
-from service.store.people import people, tokens
+from service.store.people import first_instructor, people, tokens
 
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = sessions.COOKIE
@@ -74,7 +74,7 @@ async def identify(
     try:
         if (person := await _by_authorization(request, settings, database, hub)) is None:
             person = await _by_header(request, settings, database) or await _by_cookie(cookies, database)
-            person = person or _single_user(request, settings)
+            person = person or await _single_user(request, settings, database)
             if request.method != "GET":
                 # browsers add cookie and proxy header to cross-site requests too
                 await same_origin(request, settings, address)
@@ -183,8 +183,9 @@ async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | 
     return Person(info.person, scopes, info.role, session=info.id)
 
 
-def _single_user(request: Request, settings: Settings) -> Person:
-    if settings.identity != "local" or settings.person_header is not None:
+async def _single_user(request: Request, settings: Settings, database: Database) -> Person:
+    single_user = settings.identity == "local" and settings.person_header is None
+    if not single_user or await first_instructor.people_log_in(database):
         raise Problem(
             401,
             "nobody",

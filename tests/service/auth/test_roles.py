@@ -25,6 +25,7 @@ OPEN = {
     "/docs",
     "/login",
     "/logout",
+    "/start",
     "/oidc/login",
     "/oidc/callback",
     "/reference",
@@ -129,6 +130,8 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
         "/assignments/{slug}/extensions",
         "/assignments/{slug}/release",
         "/settings",
+        "/setup/course",
+        "/setup/assignments",
     }
     changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}
     assert changes == {*points, *terms, "/people", "/people/preview"}

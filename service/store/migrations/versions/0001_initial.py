@@ -27,6 +27,7 @@ def _create_course() -> None:
         slug text NOT NULL UNIQUE,
         title text NOT NULL DEFAULT '',
         term text NOT NULL DEFAULT '',
+        logins boolean NOT NULL DEFAULT false, -- people log in, also on a server without logins
         time_zone text NOT NULL DEFAULT 'UTC',
         -- Shares of the points, from 0 to 1: lost for each day begun, and lost at most.
         late_penalty double precision NOT NULL DEFAULT 0 CHECK (late_penalty BETWEEN 0 AND 1),

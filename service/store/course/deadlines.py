@@ -90,7 +90,7 @@ SELECT * FROM (
 _LIST = f"""
 SELECT p.name, p.full_name, e.due_at, e.reason, e.given_by, e.given_at
 FROM extension e JOIN person p ON p.id = e.person_id
-WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due_at DESC, p.name
+WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due_at DESC, p.sort_key, p.name
 """
 
 _OWN = f"""

@@ -113,7 +113,7 @@ FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.pers
     LEFT JOIN best ON best.person_id = p.id
     LEFT JOIN history ON history.person_id = p.id
 WHERE c.slug = %(course)s AND m.role = 'student' AND {IS_PERSON}
-ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
+ORDER BY p.sort_key, p.name
 """
 
 _OVERVIEW = f"""

@@ -73,7 +73,7 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
         WHERE %(detailed)s AND o.submission_id = b.id AND o.check_id IS NOT NULL
         AND o.withdrawn_at IS NULL) overridden ON true
 WHERE c.slug = %(course)s AND (m.role = 'student' AND CAST(%(person)s AS text) IS NULL OR p.name = %(person)s)
-    AND coalesce(x.slug = CAST(%(slug)s AS text), x.published) AND {IS_PERSON} ORDER BY x.slug, p.name
+    AND coalesce(x.slug = CAST(%(slug)s AS text), x.published) AND {IS_PERSON} ORDER BY x.slug, p.sort_key, p.name
 """
 
 _SUBMISSIONS = f"""
@@ -100,9 +100,9 @@ WHERE x.slug = %(slug)s ORDER BY o.given_at, o.id
 """
 
 _ROSTER = f"""
-SELECT p.name, m.role, p.full_name, p.email, p.student_id FROM person p JOIN member m ON m.person_id = p.id
-    JOIN course c ON c.id = m.course_id
-WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.name
+SELECT p.name, m.role, p.full_name, p.email, p.student_id, p.section
+FROM person p JOIN member m ON m.person_id = p.id JOIN course c ON c.id = m.course_id
+WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.sort_key, p.name
 """
 
 
@@ -137,7 +137,7 @@ async def overrides(database: Database, slug: str) -> Sequence[Row]:
 
 
 async def roster(database: Database) -> Sequence[Row]:
-    """Return the people of the course with their roles, by name."""
+    """Return the people of the course with their roles, by surname."""
     return await database.rows(_ROSTER, {"course": COURSE})
 
 

@@ -61,6 +61,7 @@ class Entry(NamedTuple):
     full_name: str | None = None
     email: str | None = None
     student_id: str | None = None
+    section: str | None = None
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,9 @@ def _create_course() -> None:
         full_name text NOT NULL DEFAULT '',
         email text NOT NULL DEFAULT '',
         student_id text NOT NULL DEFAULT '',
+        section text NOT NULL DEFAULT '',
+        -- Folded surname and first name, which Python computes: PostgreSQL without ICU cannot fold accents.
+        sort_key text COLLATE "C" NOT NULL DEFAULT '',
         password text -- an Argon2 hash; null: the person cannot log in with a password
     )""")
     op.execute("""

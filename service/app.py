@@ -39,6 +39,8 @@ from service.pages import (
     class_tabs,
     course,
     course_settings,
+    edit_person,
+    extensions,
     first_run,
     gradebook,
     login,
@@ -49,6 +51,7 @@ from service.pages import (
     setup,
     speed_vs_accuracy,
     submission,
+    view_as,
 )
 from service.pages import feedback as feedback_pages
 from service.pages.rejected_forms import form_state
@@ -74,7 +77,10 @@ PAGES = (
     course.router,
     first_run.router,
     setup.router,
+    view_as.router,
     people.router,
+    edit_person.router,
+    extensions.router,
     course_settings.router,
     class_tabs.router,
     gradebook.router,

@@ -4,7 +4,7 @@ single-user mode.
 
 import contextlib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 from uuid import UUID
 
@@ -36,7 +36,8 @@ class Person:
     """An authenticated person, the scopes of their token, and their role in the course.
 
     ``single_user`` is true for the local student in single-user mode, whose role is instructor. ``session``
-    is the id of the browser's session.
+    is the id of the browser's session. ``viewer`` is the member of the staff who sees the pages as this
+    student does, "" if nobody.
     """
 
     name: str
@@ -44,9 +45,20 @@ class Person:
     role: str = "student"
     single_user: bool = False
     session: UUID | None = None
+    viewer: str = ""
+
+    @property
+    def views_another(self) -> bool:
+        """Whether a member of the staff sees the pages as another person does, and can only read."""
+        return self.viewer not in ("", self.name)
 
     def with_scope(self, scope: str) -> "Person":
         """Return the person. Raises Problem 403 if the token lacks ``scope``."""
+        if scope not in self.scopes and self.views_another:
+            detail = (
+                f"you see the pages as {self.name} does and can change nothing: press Stop, then try again"
+            )
+            raise Problem(403, "not-allowed", detail)
         if scope not in self.scopes:
             raise Problem(
                 403,
@@ -75,6 +87,7 @@ async def identify(
         if (person := await _by_authorization(request, settings, database, hub)) is None:
             person = await _by_header(request, settings, database) or await _by_cookie(cookies, database)
             person = person or await _single_user(request, settings, database)
+            person = await _as_student(person, cookies, database)
             if request.method != "GET":
                 # browsers add cookie and proxy header to cross-site requests too
                 await same_origin(request, settings, address)
@@ -198,6 +211,19 @@ async def _single_user(request: Request, settings: Settings, database: Database)
             "the request used an unknown host name: set POLHODE_PUBLIC_URL to the server's address",
         )
     return Person(LOCAL, frozenset(tokens.SCOPES), "instructor", single_user=True)
+
+
+async def _as_student(person: Person, cookies: sessions.Cookies, database: Database) -> Person:
+    """Return the student as whom a member of the staff has chosen to see the pages, else ``person``."""
+    name = cookies.viewed_as(person.name) if person.role in STAFF else None
+    if name is None:
+        return person
+    if name == person.name:
+        return replace(person, role="student", viewer=name)
+    role = await people.role(database, name)
+    if role in STAFF:  # meanwhile
+        return person
+    return Person(name, frozenset({"read"}), role, session=person.session, viewer=person.name)
 
 
 async def _person(database: Database, name: str, scopes: Iterable[str]) -> Person:

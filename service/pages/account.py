@@ -31,7 +31,9 @@ DONE = {
 async def show(
     request: Request, person: CurrentUser, settings: Config, database: Db, done: str = ""
 ) -> Response:
-    """Show the account page."""
+    """Show the account page. Nobody else sees a person's sessions and tokens on it."""
+    if person.views_another:
+        raise Problem(403, "not-allowed", f"only {person.name} can see this page: press Stop first")
     return await _page(request, person, settings, database, done=DONE.get(done))
 
 

@@ -305,7 +305,7 @@ function fillToken(field) {
   if (!token) return;
   field.value = token;
   history.replaceState(null, "", location.pathname + location.search);
-  field.form.querySelector("button.main").focus();
+  (all("input", field.form).find(one => one.required && !one.value) ?? field.form.querySelector("button.main")).focus();
 }
 
 // ---- initialization

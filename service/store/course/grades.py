@@ -73,7 +73,8 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
         WHERE %(detailed)s AND o.submission_id = b.id AND o.check_id IS NOT NULL
         AND o.withdrawn_at IS NULL) overridden ON true
 WHERE c.slug = %(course)s AND (m.role = 'student' AND CAST(%(person)s AS text) IS NULL OR p.name = %(person)s)
-    AND coalesce(x.slug = CAST(%(slug)s AS text), x.published) AND {IS_PERSON} ORDER BY x.slug, p.sort_key, p.name
+    AND coalesce(x.slug = CAST(%(slug)s AS text), x.published) AND {IS_PERSON}
+ORDER BY x.slug, p.sort_key, p.name
 """
 
 _SUBMISSIONS = f"""

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from exercises.authoring.assignments.catalogue import find
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.store.postgres.server import EmbeddedPostgres
 from service.store.queue.workers import LEASE_S
 from service.store.schema import migrate

@@ -11,7 +11,7 @@ from service.api.figure_renderer import Renderer, RenderFailed
 from service.api.submissions import Submission, find_assignment, report_of
 from service.grading.figures.rendering import FORMATS
 from service.grading.figures.rendering import find as find_figure
-from service.grading.result import ARRAYS
+from service.grading.graded_file import ARRAYS
 from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems

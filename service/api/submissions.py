@@ -26,7 +26,7 @@ from service.auth.identity import STAFF, Person, Reader, Submitter, Visitor
 from service.auth.roles import OptionalUser
 from service.formats import junit
 from service.formats.grade_row import whole
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems

@@ -17,10 +17,10 @@ from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used
 from service.grading.diagnosis import reproduction
 from service.grading.diagnosis.diagnosing import diagnose
-from service.grading.jobs import draw_inputs, job_of
 from service.grading.judging import judge
 from service.grading.playing import OnProgress, play_job
 from service.grading.published.loops import claims_of_solution
+from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox

@@ -12,7 +12,7 @@ from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.importing.validation_cells import is_self_reported
 from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
-from service.api.history import list_own
+from service.api.past_submissions import list_own
 from service.api.release import visible_row
 from service.api.submissions import Available, Stored
 from service.auth import forms

@@ -14,8 +14,8 @@ from io import FileIO
 from typing import Any, NamedTuple
 
 from polhode.judging.outcome import Ended, SceneEnd
-from service.sandbox.guest.place import Place
-from service.sandbox.guest.scratch import NO_ROOM
+from service.sandbox.guest.cells.place import Place
+from service.sandbox.guest.confinement.scratch import NO_ROOM
 from service.sandbox.guest.wire import CLOCK_FACTOR, COUNT, MALFORMED
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job

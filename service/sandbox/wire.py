@@ -19,11 +19,11 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.claims import Claim
-from polhode.judging.notes import MOST_REMARKS, Absent, Notes
 from polhode.judging.outcome import Ended, SceneEnd
+from polhode.judging.remarks import MOST_REMARKS, Absent, Notes
 from service.sandbox import claims
-from service.sandbox.guest.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
-from service.sandbox.guest.place import Place
+from service.sandbox.guest.cells.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
+from service.sandbox.guest.cells.place import Place
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
 from service.sandbox.result import GUEST_CODES, OnScene, PlayResult, ignore

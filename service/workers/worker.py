@@ -22,9 +22,9 @@ from exercises.authoring.assignments.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
 from service.sandbox.guest_process import remove_abandoned
+from service.sandbox.isolation.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits, processor_times
 from service.sandbox.untrusted_text import text
 from service.settings import Settings

@@ -23,8 +23,8 @@ from polhode.report.report import Report
 from service.grading.batch import grade_files
 from service.grading.diagnosis import reproduction
 from service.grading.files import GradeOptions, GradeRequest
-from service.grading.result import GradedFile
-from service.sandbox.select import choose
+from service.grading.graded_file import GradedFile
+from service.sandbox.isolation.select import choose
 from service.sandbox.time_budget import TimeLimits
 from tests.support.right_on_motions_only import sources
 

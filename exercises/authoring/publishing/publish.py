@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, with_ids
 from exercises.authoring.questions.question import Question
-from polhode.notebook.cells import DEFINITION, python_of, statements_of
+from polhode.notebook.cell_source import DEFINITION, python_of, statements_of
 from polhode.notebook.names import names_in
 
 KERNEL = {

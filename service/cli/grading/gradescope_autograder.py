@@ -70,7 +70,7 @@ def _write_refusal(reason: str, arguments: Sequence[str], results: Path) -> None
     from service.cli.output_file import write
     from service.formats import gradescope
     from service.grading.grade import select
-    from service.grading.result import GradedFile
+    from service.grading.graded_file import GradedFile
 
     parser = argparse.ArgumentParser(allow_abbrev=False)
     parser.add_argument("--assignment", choices=sorted(assignments()), required=True)

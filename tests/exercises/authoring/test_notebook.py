@@ -5,7 +5,7 @@ import pytest
 
 from exercises.authoring.publishing import public_side
 from service.grading.grade import grade
-from service.grading.jobs import draw_inputs, job_of, truth
+from service.grading.sandbox_job import draw_inputs, job_of, truth
 from service.grading.submission import Submission
 from tests.support.assignments import known
 from tests.support.checkout import ROOT

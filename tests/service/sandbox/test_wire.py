@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from exercises.authoring.assignments.assignment import ArraySpec
-from polhode.judging.notes import MOST_REMARKS
 from polhode.judging.outcome import Ended
+from polhode.judging.remarks import MOST_REMARKS
 from polhode.report.document import document
-from service.sandbox.guest.claims import MOST_CLAIMS
+from service.sandbox.guest.cells.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import pack
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import PlayResult

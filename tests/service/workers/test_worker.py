@@ -8,7 +8,7 @@ import time
 import pytest
 
 from service.grading.grader import Grader
-from service.sandbox.select import IsolationUnavailable
+from service.sandbox.isolation.select import IsolationUnavailable
 from service.settings import Settings
 from service.store.queue import workers
 from service.store.submissions import sweeps

@@ -5,7 +5,7 @@ from tests.support.breakages.breakage import Breakage
 GRADING = [
     Breakage(
         "drawn scenes do not depend on the seed, so a regrade asks something else",
-        "service/grading/jobs.py",
+        "service/grading/sandbox_job.py",
         "np.random.default_rng([seed, zlib.crc32(scene.name.encode())])",
         "np.random.default_rng()",
         ("tests/service/grading/test_grade.py::test_same_seed_same_report_of_everything_drawn_and_animated",),
@@ -186,7 +186,7 @@ GRADING = [
     ),
     Breakage(
         "points are known after a fault",
-        "service/grading/result.py",
+        "service/grading/graded_file.py",
         "return 0 if self.fault is None else None",
         "return 0",
         ("tests/service/formats/test_grade_row.py",),

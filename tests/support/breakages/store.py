@@ -132,18 +132,18 @@ STORE = [
     ),
     Breakage(
         "a list of one's own submissions has everybody's",
-        "service/store/submissions/history.py",
+        "service/store/submissions/past_submissions.py",
         "WHERE p.name = %(person)s AND x.slug = %(slug)s ORDER BY s.submitted_at DESC LIMIT %(most)s",
         "WHERE CAST(%(person)s AS text) <> '' AND x.slug = %(slug)s ORDER BY s.submitted_at DESC"
         " LIMIT %(most)s",
-        ("tests/service/store/submissions/test_history.py",),
+        ("tests/service/store/submissions/test_past_submissions.py",),
     ),
     Breakage(
         "a submission is compared with somebody else's",
-        "service/store/submissions/history.py",
+        "service/store/submissions/past_submissions.py",
         "JOIN submission b USING (person_id, assignment_id)",
         "JOIN submission b USING (assignment_id)",
-        ("tests/service/store/submissions/test_history.py",),
+        ("tests/service/store/submissions/test_past_submissions.py",),
     ),
     Breakage(
         "a regrade is shown before it is applied",

@@ -141,11 +141,11 @@ WEB = [
     ),
     Breakage(
         "a student's page shows what only staff may see",
-        "service/pages/submission.py",
+        "service/pages/submission/page.py",
         '"staff": person.role in STAFF',
         '"staff": True',
         (
-            "tests/service/pages/test_submission.py::test_staff_see_who_and_how_and_a_student_what_concerns_them",
+            "tests/service/pages/submission/test_page.py::test_staff_see_who_and_how_and_a_student_what_concerns_them",
         ),
     ),
     Breakage(
@@ -206,7 +206,7 @@ WEB = [
     ),
     Breakage(
         "students may give themselves points",
-        "service/pages/overrides.py",
+        "service/pages/submission/overrides.py",
         "from service.auth.roles import Instructor",
         "from service.auth.roles import CurrentUser as Instructor",
         ("tests/service/auth/test_roles.py::test_what_students_may_open_and_what_only_instructors_may_do",),

@@ -11,7 +11,7 @@ from exercises.authoring.questions.author import Tolerance, family, uniform
 from exercises.authoring.questions.question_errors import question_errors
 from polhode import kinds
 from polhode.kinds import stepper as kit
-from polhode.report.drawing import draw
+from polhode.report.figure_files import draw
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged, mistaken, question_of

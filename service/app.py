@@ -45,6 +45,7 @@ from service.pages import (
     people,
     queue,
     regrades,
+    roster,
     speed_vs_accuracy,
     submission,
 )
@@ -71,6 +72,7 @@ ROUTERS = (
 PAGES = (
     course.router,
     people.router,
+    roster.router,
     course_settings.router,
     class_tabs.router,
     gradebook.router,

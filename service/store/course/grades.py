@@ -100,12 +100,6 @@ FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON
 WHERE x.slug = %(slug)s ORDER BY o.given_at, o.id
 """
 
-_ROSTER = f"""
-SELECT p.name, m.role, p.full_name, p.email, p.student_id, p.section
-FROM person p JOIN member m ON m.person_id = p.id JOIN course c ON c.id = m.course_id
-WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.sort_key, p.name
-"""
-
 
 async def grades(database: Database, slug: str | None = None, person: str | None = None) -> list[GradeRow]:
     """Return a row per student, or of one person: of one assignment with check states, or of all published
@@ -135,11 +129,6 @@ async def trail(database: Database) -> AsyncIterator[Sequence[Row]]:
 async def overrides(database: Database, slug: str) -> Sequence[Row]:
     """Return all overrides of an assignment, oldest first, including withdrawn ones."""
     return await database.rows(_OVERRIDES, {"slug": slug})
-
-
-async def roster(database: Database) -> Sequence[Row]:
-    """Return the people of the course with their roles, by surname."""
-    return await database.rows(_ROSTER, {"course": COURSE})
 
 
 def _row(found: Row, most: int | None) -> GradeRow:

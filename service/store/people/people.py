@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from uuid import UUID
 
-from service.store.database import Connection, Database, Row
+from service.store.database import Connection, Database, Queries, Row
 from service.store.people.sort_keys import fold, sort_key
 
 COURSE = "local"
@@ -63,6 +63,11 @@ async def role(database: Database, name: str) -> str:
     """Return the person's role, which is "student" for an unknown person."""
     row = await database.first(_ROLE_OF, {"name": name, "course": COURSE})
     return "student" if row is None else str(row.role)
+
+
+async def members(queries: Queries) -> Sequence[Row]:
+    """Return the columns of ROSTER of all people of the course, in the order of lists."""
+    return await queries.rows(_MEMBERS_ABOUT, {"course": COURSE})
 
 
 async def everybody(database: Database) -> Sequence[Row]:
@@ -142,6 +147,11 @@ FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.pers
         AND expires_at > now()
     ) given ON true
 WHERE c.slug = %(course)s
+"""
+_MEMBERS_ABOUT = f"""
+SELECT {", ".join(f"{'m' if column == 'role' else 'p'}.{column}" for column in ROSTER)}
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.sort_key, p.name
 """
 _BY_ROLE = """ORDER BY array_position(ARRAY['instructor', 'assistant', 'student', 'former'], m.role),
     p.sort_key, p.name"""

@@ -9,7 +9,7 @@ from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.draws import JointDraw, between
-from exercises.authoring.importing.validation_cells import Line
+from exercises.authoring.importing.lines import Line
 from exercises.authoring.kinds.animation import animation, body_animation
 from exercises.authoring.kinds.expression import expression
 from exercises.authoring.kinds.fit import fit
@@ -419,15 +419,27 @@ class Ask:
         self.asked.append(asked)
         return asked
 
-    def line(self, label: str, *, truth: Any = None, trust: bool = False, points: int = 1) -> None:
+    def line(
+        self,
+        label: str,
+        *,
+        truth: Any = None,
+        trust: bool = False,
+        points: int = 1,
+        shown: bool = False,
+        accept: bool = False,
+        given: bool = False,
+    ) -> None:
         """Take over a line that a validation cell of the notebook prints, by its ``label`` as the cell writes
         it; the expressions of an f-string stay in braces.
 
         The line carries no ``points`` until ``truth`` is the exact value, or a function without parameters
         that computes it, with which ``validate.close`` then compares; or until ``trust=True`` accepts what
-        the student's code reports.
+        the student's code reports. With ``shown`` the truth stands in the students' notebook, and the line
+        counts if you ``accept`` that. A ``given`` line is ✓ without any student's code and cannot count.
         """
-        self.lines.append(Line(label, truth, trust, points, sys._getframe(1).f_lineno))
+        line = sys._getframe(1).f_lineno
+        self.lines.append(Line(label, truth, trust, points, line, shown, accept, given))
 
     def _asked(
         self,

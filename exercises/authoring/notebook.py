@@ -24,13 +24,11 @@ from exercises.authoring.declaration import Declaration
 from exercises.authoring.draws import Drawing, JointDraw, ListDraw
 from exercises.authoring.points import with_points, without_points
 from exercises.authoring.questions import author_notebook
-from exercises.authoring.questions.author_notebook import Cell, InvalidNotebook
+from exercises.authoring.questions.author_notebook import NUMBER, SEPARATOR, Cell, InvalidNotebook
 from exercises.authoring.questions.question import Question
 from exercises.authoring.raised import raised
 from exercises.authoring.solutions import NotebookSolution, Solutions
 from polhode.notebook.names import names_in
-
-NUMBER = re.compile(r"\d+[a-z]?(\.\d+)*")
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,8 @@ class Notebook:
 
     ``title`` is by default the first heading of the notebook. Reports name the ``version``. ``packages`` are
     distributions that submissions import besides numpy, scipy and matplotlib, ``data`` files of the folder
-    that they read. A grading may use ``cpu_s`` of CPU time, and each cell ``load_s``.
+    that they read. A grading may use ``cpu_s`` of CPU time, and each cell ``load_s``; a submission's data may
+    take ``memory_mb`` MiB.
     """
 
     def __init__(
@@ -63,6 +62,7 @@ class Notebook:
         data: tuple[str, ...] = (),
         cpu_s: float | None = None,
         load_s: float | None = None,
+        memory_mb: int | None = None,
     ) -> None:
         self.notebook, self.title = notebook, title
         self._folder = Path(sys._getframe(1).f_code.co_filename).parent
@@ -72,6 +72,7 @@ class Notebook:
             "data": data,
             "cpu_s": cpu_s,
             "load_s": load_s,
+            "memory_mb": memory_mb,
         }
         self._exercises: list[DeclaredExercise] = []
 
@@ -205,6 +206,6 @@ def _is_count(points: int | None) -> TypeGuard[int]:
 
 def _heading(cells: list[Cell], number: str) -> str | None:
     """Return the title in the heading "Exercise NUMBER — title" of the notebook, None if there is none."""
-    pattern = re.compile(rf"exercise\s+{re.escape(number)}(?![\w.])\W*(.*)", re.IGNORECASE)
+    pattern = re.compile(rf"exercise\s+{re.escape(number)}(?![\w.]){SEPARATOR}(.*)", re.IGNORECASE)
     found = (pattern.match(text) for cell in cells for _, text in cell.headings)
     return next((match[1] or match[0] for match in found if match), None)

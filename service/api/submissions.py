@@ -15,7 +15,7 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.catalogue import assignments, find
-from exercises.authoring.importing.validation_cells import is_self_reported
+from exercises.authoring.importing.lines import is_self_reported
 from polhode.client import build as kit
 from polhode.report.document import document
 from polhode.report.report import Report

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_cells import ReportedLine
+from exercises.authoring.importing.lines import ReportedLine
 from polhode.judging.checks import Arrays
 from polhode.judging.claims import Claim, NotebookCheck
 from polhode.judging.exercise import Exercise, attempted

@@ -1,10 +1,11 @@
 """Judging what a submission returned by the checks of an exercise."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 
 from exercises.authoring.assignments.assignment import Assignment, Scene
-from exercises.authoring.importing.validation_cells import ReportedLine
+from exercises.authoring.importing.lines import ReportedLine
 from polhode.judging.checks import Check
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
@@ -13,6 +14,8 @@ from polhode.judging.remarks import Absent, unsaid
 from service.grading.diagnosis.diagnosing import Causes, diagnose_failure
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult
+
+NOT_DEFINED = re.compile(r"NameError: name '(\w+)' is not defined")
 
 
 def judge(
@@ -31,7 +34,7 @@ def judge(
     expected = assignment.expected_checks(exercise)
     for check in exercise.applicable_checks(result.written, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
-        outcome = _outcome(check, scenes, played)
+        outcome = _outcome(check, assignment, scenes, played)
         if absent := _absent(check, scenes, result):
             name, why = absent
             outcome.diagnosis = [Diagnosis(why.code, why.sentence, 1.0, (name,))] if why.code else []
@@ -49,17 +52,17 @@ def judge(
 def passes(assignment: Assignment, check: Check, played: PlayedJob) -> bool:
     """Return whether a check passes or does not count."""
     scenes = [assignment.scene(name) for name in check.scenes]
-    outcome = _outcome(check, scenes, played)
+    outcome = _outcome(check, assignment, scenes, played)
     return outcome.verdict is Verdict.PASS or not outcome.counted
 
 
-def _outcome(check: Check, scenes: list[Scene], played: PlayedJob) -> Outcome:
+def _outcome(check: Check, assignment: Assignment, scenes: list[Scene], played: PlayedJob) -> Outcome:
     result, truths = played.result, played.truths
     if isinstance(check, ReportedLine):
         claims = result.reported.get((check.cell, check.call.place), ())
         return check.reported(
             claims,
-            _cause_of_cell(check, result),
+            _cause_of_cell(check, assignment, result),
             stopped=check.cell in result.cells or _is_cut_short(check, result),
             solution=played.claims_of_solution.get((check.cell, check.call.place), 0),
         )
@@ -97,13 +100,21 @@ def _cause(scene: Scene, result: PlayResult) -> tuple[str | None, str]:
     return None if scene_end.ended is Ended.MISSING else scene_end.scene, scene_end.sentence
 
 
-def _cause_of_cell(check: ReportedLine, result: PlayResult) -> str:
+def _cause_of_cell(check: ReportedLine, assignment: Assignment, result: PlayResult) -> str:
     """Return why a published cell did not reach a line, or not as often as its loop would."""
     if check.cell in result.cells:
-        return f"the validation cell stopped with {result.cells[check.cell].sentence}"
+        sentence = result.cells[check.cell].sentence
+        return f"the validation cell stopped with {sentence}{_where_to_define(sentence, assignment)}"
     if _is_cut_short(check, result):
         return "another line of its loop is ✗, which ends the loop"
     return "the cell did not reach this line, or your code stopped before"
+
+
+def _where_to_define(sentence: str, assignment: Assignment) -> str:
+    """Return which exercise asks for the name that the sentence of a NameError says is missing, or ""."""
+    name = found[1] if (found := NOT_DEFINED.fullmatch(sentence)) else ""
+    number = next((one.number for one in assignment.exercises if name in one.functions), "")
+    return f": define it in exercise {number}, above its validation" if number else ""
 
 
 def _is_cut_short(check: ReportedLine, result: PlayResult) -> bool:

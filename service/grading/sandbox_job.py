@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
-from exercises.authoring.importing.validation_cells import ReportedLine
+from exercises.authoring.importing.lines import ReportedLine
 from polhode.judging.checks import Arrays
 from polhode.kinds.asking import unit_of
 from service.grading.published.given_cells import with_published
@@ -53,7 +53,9 @@ def job_of(
         data=data,
         lines=_lines(assignment),
     )
-    return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
+    if assignment.load_s is not None:
+        job = replace(job, load_budget_s=assignment.load_s)
+    return replace(job, memory_mb=max(job.memory_mb, assignment.memory_mb or 0))
 
 
 def _lines(assignment: Assignment) -> dict[tuple[str, tuple[int, int]], Line]:

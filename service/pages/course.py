@@ -1,7 +1,6 @@
 """The home page, a student's page of an assignment, and the audit log."""
 
 import asyncio
-from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, HTTPException, Query, Request
@@ -9,8 +8,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Match
 
 from exercises.authoring.assignments.catalogue import assignments
-from exercises.authoring.importing.validation_cells import is_self_reported
-from polhode.judging.checks import Check
+from exercises.authoring.assignments.index import line_counts
 from service.api.health import WorkerStatus
 from service.api.past_submissions import list_own
 from service.api.release import visible_row
@@ -56,7 +54,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
             visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)
         ],
         "assignments": assignments(),
-        "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
+        "lines": staff and any(map(line_counts, assignments().values())),
         "overview": overview,
         "groups": groups,
         "next": course_cards.next_deadline(groups, mine),
@@ -66,14 +64,6 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
-
-
-def _self_reported(checks: Sequence[Check]) -> str:
-    """Return how many of an assignment's checks carry no points because they are self-reported, "" if none
-    is.
-    """
-    count = sum(map(is_self_reported, checks))
-    return f"{count} of {len(checks)} checks are self-reported and carry no points" if count else ""
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

@@ -53,6 +53,8 @@ async def show_person(
         row.assignment: row for row in await grades(database, person=name) if row.assignment in assignments()
     }
     sent = await recent(database, MOST_SUBMISSIONS, name)
+    overridden = await overrides.of_person(database, name)
+    changed = [known for one in overridden if (known := assignments().get(one.assignment))]
     context = {
         "about": about,
         "beside": await people.neighbours(database, name),
@@ -67,8 +69,8 @@ async def show_person(
         "notes": await notes.of_person(database, name),
         "submissions": sent,
         "most": MOST_SUBMISSIONS,
-        "overrides": await overrides.of_person(database, name),
-        "labels": {a.slug: check_labels(a) for a in assignments().values()},
+        "overrides": overridden,
+        "labels": {one.slug: check_labels(one) for one in changed},
     }
     return templates.TemplateResponse(request, "person.html", context)
 

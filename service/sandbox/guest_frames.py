@@ -11,7 +11,7 @@ import functools
 import json
 import math
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -26,7 +26,7 @@ from service.sandbox.guest.cells.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_AL
 from service.sandbox.guest.cells.place import Place
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
-from service.sandbox.result import GUEST_CODES, OnScene, PlayResult, ignore
+from service.sandbox.result import GUEST_CODES, CellCost, OnScene, PlayResult, ignore
 from service.sandbox.untrusted_text import text
 
 MOST_JSON = 64 * 1024
@@ -118,6 +118,7 @@ class Reader:
                 self.result.defined = self._listed(event, "names")
                 self.result.missing = self._listed(event, "missing")
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
+                self.result.costs = dict(_costs(event, self._cells))
             case "left-out" if not self.loaded:
                 self._leave_out(self._known(event, "cell", self._cells), _line(event.get("sentence")))
             case "start":
@@ -258,6 +259,15 @@ def _count(value: Any) -> int:
     if type(value) is not int or not 0 <= value < 1 << 53:
         raise ProtocolError("not a count")
     return value
+
+
+def _costs(event: Mapping[str, Any], cells: Collection[str]) -> Iterator[tuple[str, CellCost]]:
+    for listed in event.get("costs", ()):
+        match listed:
+            case [str(cell), float(cpu_s), float(peak_mb)] if cell in cells and cpu_s >= 0 and peak_mb >= 0:
+                yield cell, CellCost(cpu_s, peak_mb)
+            case _:
+                raise ProtocolError("not the costs of a cell")
 
 
 def _notes(event: Mapping[str, Any], returns: Mapping[str, ArraySpec]) -> Notes:

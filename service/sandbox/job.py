@@ -19,6 +19,7 @@ from service.sandbox.guest.cells.place import Place
 from service.sandbox.guest.wire import APART, BYTES, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
+MEMORY_MB = 512  # MiB of data
 SHORT = 20  # numbers that are sent as digits
 # What a Python file has from a notebook.
 INTERACTIVE = re.compile(r"\bIPython\b|\bget_ipython\b|\bdisplay\(")
@@ -133,7 +134,8 @@ class Job:
     ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a
     published one. Statements ``left_out``, by their places, do not run: each ended an earlier
-    process, as their ends say. ``lines`` are those of published cells, by cell and place.
+    process, as their ends say. ``lines`` are those of published cells, by cell and place. The data of its
+    process may take ``memory_mb`` MiB.
     """
 
     setup: str
@@ -142,6 +144,7 @@ class Job:
     functions: tuple[str, ...]
     scenes: tuple[SceneRequest, ...]
     load_budget_s: float = LOAD_BUDGET_S
+    memory_mb: int = MEMORY_MB
     variables: tuple[str, ...] = ()
     data: Mapping[str, Path] = field(default_factory=dict)
     reference: ReferenceFunctions | None = None

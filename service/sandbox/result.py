@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -47,6 +47,15 @@ GUEST_CODES = frozenset(
 )
 
 
+class CellCost(NamedTuple):
+    """What a cell used, as the guest says: seconds of CPU time, and the most MiB of memory that the process
+    had taken when the cell ended.
+    """
+
+    cpu_s: float
+    peak_mb: float
+
+
 @dataclass
 class PlayResult:
     """The result of one play.
@@ -58,7 +67,8 @@ class PlayResult:
     ``author_errors`` are exceptions, by scene, that the
     guest attributes to the assignment's code; a submission can forge them. ``claims`` are the notebook's own
     checks; ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells,
-    by cell and place. ``cpu_s`` is the CPU time that was used.
+    by cell and place. ``cpu_s`` is the CPU time that was used, ``costs`` what each cell used, if one is
+    published.
     """
 
     loaded: bool = False
@@ -75,12 +85,13 @@ class PlayResult:
     reported: dict[tuple[str, tuple[int, int]], list[Claim]] = field(default_factory=dict)
     stdout: str = ""
     cpu_s: float = 0.0
+    costs: dict[str, CellCost] = field(default_factory=dict)
 
     def add(self, other: "PlayResult") -> None:
         """Add the result of another child that ran the same submission."""
         for name in ("defined", "missing", "left_out", "arrays", "notes"):
             getattr(self, name).update(getattr(other, name))
-        for name in ("scene_ends", "author_errors"):
+        for name in ("scene_ends", "author_errors", "costs"):
             getattr(self, name).update(getattr(other, name))
         self.cells = {**other.cells, **self.cells}  # the first failure of a cell is the cause of others
         if not self.loaded:  # each child runs the cells again; one that did not end them counts for nothing

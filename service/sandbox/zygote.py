@@ -161,7 +161,7 @@ class Zygote:
         child = _Child(job.encode_reference() if job.has_reference else None)
         try:
             limit = max(1, math.ceil(budget.cpu_left()))
-            self._send(PLAY.pack(limit), *child.theirs)
+            self._send(PLAY.pack(limit, job.memory_mb), *child.theirs)
         except ZygoteLost:
             child.close()
             raise

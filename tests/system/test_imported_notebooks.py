@@ -3,6 +3,7 @@ cells.
 """
 
 import contextlib
+import json
 import shutil
 import subprocess
 import sys
@@ -10,7 +11,8 @@ from dataclasses import replace
 
 import pytest
 
-from exercises.authoring.importing.importing import imported
+from exercises.authoring.importing.assignment_file import Findings, assignment_file
+from exercises.authoring.importing.importing import read_published
 from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
@@ -37,10 +39,10 @@ from tests.support.kit import environment, installed
 
 def imported_folder(folder, name, text):
     file = written(folder / "in", f"{name}.ipynb", text)
-    made = imported(file, folder / "course")
+    made = read_published(file, folder / "course", {})
     home = folder / made.slug.replace("-", "_")
     written(home, file.name, text)
-    written(home, "assignment.py", made.text)
+    written(home, "assignment.py", assignment_file(made, Findings()))
     return home
 
 
@@ -91,7 +93,14 @@ def test_the_first_wrong_of_several_claims_of_one_line_is_shown(sums, sandbox):
 def test_as_downloaded_nothing_is_measured(sums, sandbox):
     made = report(sums, sandbox, published())
     assert marks(made) == "uuuuu"
-    assert "name 'total' is not defined" in made.outcomes()[0].cause
+    missing = "name 'total' is not defined: define it in exercise 1, above its validation"
+    assert missing in made.outcomes()[0].cause
+
+
+def test_each_emptied_cell_says_which_names_are_read_below_it(sums):
+    cells = [cell for cell in json.loads(sums.notebook())["cells"] if cell["cell_type"] == "code"]
+    emptied = ["".join(cell["source"]) for cell in cells if "solution" in cell["metadata"].get("tags", ())]
+    assert emptied == [f"# your code here\n# {name} = ..." for name in ("total", "powers", "area")]
 
 
 def test_a_cell_that_fails_leaves_its_own_lines(sums, sandbox):

@@ -121,7 +121,8 @@ class Assignment:
     that one grading may use, if that is more than the server's limit: five times as much as the right
     solution uses. ``data`` names files of the folder that submissions read by the same relative name, such as
     "pendulum.csv". ``load_s`` is the CPU time in seconds for a submission's cells, if that is more than 10:
-    for each cell, if there are ``published`` ones.
+    for each cell, if there are ``published`` ones. ``memory_mb`` is the MiB of memory for its data, if that
+    is more than 512.
 
     ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right
     solution and wrong ones of a question by its id (exercises.authoring.mutants.mistakes.Variant), ``pairs``
@@ -145,6 +146,7 @@ class Assignment:
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
     load_s: float | None = None
+    memory_mb: int | None = None
     published: tuple[PublishedCell, ...] = ()
     notebook: Callable[[], str] = field(default=lambda: "")
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
@@ -216,6 +218,13 @@ class Assignment:
     def most_points(self) -> int:
         """Return the points of all exercises, without those of optional functions."""
         return self.max_points()
+
+    @property
+    def points_note(self) -> str:
+        """Return how many checks carry no points, "" if all do."""
+        checks = self.checks()
+        count = sum(check.points == 0 for check in checks)
+        return f"{count} of {len(checks)} checks carry no points" if count else ""
 
     @cached_property
     def out_of(self) -> str:

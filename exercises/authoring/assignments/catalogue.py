@@ -6,15 +6,17 @@ import importlib.machinery
 import importlib.util
 import os
 import sys
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import exercises
 from exercises.authoring.assignments import validation
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.course_imports import distributions
+from exercises.authoring.assignments.index import IndexedAssignment, read_index, write_index
 from exercises.authoring.assignments.validation import format_error, syntax_errors
 from exercises.authoring.importing.words import COURSE_FOLDER
 from exercises.authoring.notebook import Notebook
@@ -180,13 +182,15 @@ def load_catalogue() -> Catalogue:
     """Load each package in ``exercises`` and each that POLHODE_ASSIGNMENTS names, or of these the slugs in
     POLHODE_COURSE, in their order. An invalid one does not affect the others.
     """
-    loaded = [(slug_of(folder), _load(folder)) for folder in selected()]
+    more = distributions(tuple(course_folders()))
+    loaded = [(slug_of(folder), _listed(folder, more)) for folder in selected()]
     absent = set(_chosen()) - {slug for slug, _ in loaded}
     invalid = {
         slug: InvalidAssignment(slug, [f"{COURSE} names it, but it does not exist"]) for slug in absent
     }
     invalid.update((slug, error) for slug, error in loaded if isinstance(error, InvalidAssignment))
-    return Catalogue({slug: found for slug, found in loaded if isinstance(found, Assignment)}, invalid)
+    valid = {slug: found for slug, found in loaded if not isinstance(found, InvalidAssignment)}
+    return Catalogue(valid, invalid)
 
 
 def _chosen() -> list[str]:
@@ -203,6 +207,18 @@ def selected() -> list[Path]:
         if order
         else found
     )
+
+
+def keep_index(assignment: Assignment) -> None:
+    """Write the index of an assignment into its folder, so that lists need not load it."""
+    write_index(assignment, distributions(tuple(course_folders())))
+
+
+def _listed(folder: Path, more: Collection[str]) -> Assignment | InvalidAssignment:
+    """Return an assignment for lists: one that is loaded later if it has a valid index."""
+    if (index := read_index(folder, more)) is None:
+        return _load(folder)
+    return cast("Assignment", IndexedAssignment(folder, index, lambda: find(slug_of(folder))))
 
 
 @functools.cache

@@ -9,13 +9,14 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_cells import ReportedLine
+from exercises.authoring.importing.lines import ReportedLine
 from polhode.judging.author_errors import AuthorError
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 # where an import of one of them, or of a neighbour, may be
 ABSENT = re.compile(rf"\b({'|'.join(HOST_ONLY)})\b|\bfrom[\s\\]*\.")
 MOST_DATA = 5_000_000  # bytes of a data file
+MOST_MEMORY_MB = 8192  # that one submission may take of the server's memory
 
 
 def errors(assignment: Assignment) -> list[str]:
@@ -27,6 +28,10 @@ def errors(assignment: Assignment) -> list[str]:
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
         found.append(f"cpu_s is {assignment.cpu_s}; it must be positive and finite")
+    if assignment.memory_mb is not None and not (
+        type(assignment.memory_mb) is int and 0 < assignment.memory_mb <= MOST_MEMORY_MB
+    ):
+        found.append(f"memory_mb is {assignment.memory_mb!r}; it must be whole MiB, at most {MOST_MEMORY_MB}")
     return [
         *found,
         *_imports(assignment),

@@ -1,140 +1,120 @@
-"""An assignment from a published notebook whose validation cells call ``validate``:
-every line self-reported.
-"""
+"""A published notebook whose validation cells call ``validate``, read as an assignment."""
 
-import ast
+import json
+import platform
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
+from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.importing.requirements import dependencies
+from exercises.authoring.importing.titles import notebook_title
 from exercises.authoring.importing.validation_cells import Placed, placed_calls, published_cells
 from exercises.authoring.importing.words import words
-from exercises.authoring.notebook import NUMBER
-from exercises.authoring.questions.author_notebook import SOLUTION, Cell, InvalidNotebook, read
+from exercises.authoring.questions.author_notebook import SOLUTION, InvalidNotebook, errors, read
 
-CELL_S, GRADING_S = 60, 600  # CPU time of a cell, and of a grading: cells of a course take up to a minute
-HEAD = '''"""{title}: imported from {file}.
-
-The server runs the notebook's validation cells on what a student's cells computed. Their lines are
-self-reported and carry no points. The comment above a line says what makes it count; docs/authors/ has the
-questions.
-"""
-
-from exercises.authoring import Notebook
-
-notebook = Notebook(
-    {quoted_file},
-    title={quoted_title},
-{packages}{data}    load_s={cell_s},  # CPU time of one cell
-    cpu_s={grading_s},  # and of a whole grading
-)
-'''
-OWN_NUMBERS = "a claim about variables, or a question about the functions that compute it"
-HINTS = {
-    "close": "truth=… for {expected}, or a question about the function that computes {got}",
-    "conserved": "ask.right_hand_side(…, conserved=…), which integrates the student's function itself",
-    "check": OWN_NUMBERS,
-    "positive": OWN_NUMBERS,
-    "below": OWN_NUMBERS,
-}
-"""What makes a line count, by its kind."""
+NEWER = f" (this is Python {platform.python_version()}: newer syntax needs a server with a newer one)"
 MOST_SLUG = 60  # characters
-LONGEST = 40  # characters of an argument in a comment
+OTHERS = {
+    "nbgrader": re.compile(r'"nbgrader"\s*:|### BEGIN SOLUTION'),
+    "Otter-Grader": re.compile(r'"otter"\s*:|# (BEGIN|ASSIGNMENT) (QUESTION|CONFIG)|\botter\.Notebook\('),
+}
+"""What shows that a notebook is made for another grader, by that grader's name."""
 
 
-class Imported(NamedTuple):
-    """The text of assignment.py, the number of validation calls taken over, each of the others as a sentence,
-    the data ``files`` that the cells read, by name, and the modules that are ``lacking`` on this machine.
+@dataclass(frozen=True)
+class PublishedNotebook:
+    """A notebook to be imported: its ``cells``, the calls ``taken`` over as lines, each of the others
+    and what else the author must know as a sentence, the packages and the data ``files`` that the cells
+    need, and the modules that are ``lacking`` on this machine. ``content`` is the file without outputs.
     """
 
+    path: Path
     slug: str
     title: str
-    text: str
-    taken: int
+    content: bytes
+    cells: tuple[PublishedCell, ...]
+    taken: list[Placed]
     left: list[str]
     warnings: list[str]
+    packages: list[str]
     files: dict[str, bytes]
     lacking: list[str]
 
+    @property
+    def has_solutions(self) -> bool:
+        """Whether a cell that students fill in contains the author's code."""
+        return any(not cell.is_given and not _is_comment(cell.source) for cell in self.cells)
 
-def imported(path: Path, course: Path) -> Imported:
-    """Return the assignment of a published notebook; ``course`` is the folder for the course's own packages.
+
+def read_published(
+    path: Path, course: Path, wanted: Mapping[str, str], slug: str | None = None, prefix: str = ""
+) -> PublishedNotebook:
+    """Return a published notebook; ``course`` is the folder for the course's own packages, ``wanted`` the
+    lines of its requirements.txt by module. Its slug is ``slug``, or else ``prefix`` and the file's name.
 
     Raises InvalidNotebook if it has no validation call."""
     cells = read(path)
-    title = _title(cells) or path.stem
+    text = path.read_text(encoding="utf-8")
+    if other := next((name for name, shows in OTHERS.items() if shows.search(text)), None):
+        raise InvalidNotebook(
+            f"{path.name} is a notebook of {other}: docs/authors/from-nbgrader-or-otter.md says how its tests"
+            " become questions"
+        )
+    if wrong := list(errors(cells)):
+        raise InvalidNotebook(f"{path.name}: {'; '.join(wrong)}{NEWER}")
     known = words((course,))
-    placed = list(placed_calls(cells, published_cells(cells, (), known), known))
+    published = published_cells(cells, (), known)
+    placed = list(placed_calls(cells, published, known))
     taken = [one for one in placed if one.call.label and not one.call.in_function]
     if not taken:
         raise InvalidNotebook(
             f"{path.name} has no cell that calls validate.close, check, conserved, positive or below"
         )
-    why = {True: "the call is inside a function", False: "the call has no label"}
+    why = {
+        True: "the call is inside a function: move it to the top level of the cell",
+        False: "the call has no label",
+    }
     left = [
         f"{p.cell.name}, line {p.call.place[0]}: {why[p.call.in_function]}" for p in placed if p not in taken
     ]
-    packages, files, warnings, lacking = dependencies(cells, path.parent, course)
+    packages, files, warnings, lacking = dependencies(cells, path.parent, course, wanted)
     if not any(SOLUTION in cell.tags for cell in cells):
         warnings.append(
             f"no cell is tagged {SOLUTION}: the server then runs every cell that contains code as it is"
             " published"
         )
-    text = HEAD.format(
-        title=title,
-        file=path.name,
-        quoted_title=quoted(title),
-        quoted_file=quoted(path.name),
-        packages=_tuple("packages", packages),
-        data=_tuple("data", files),
-        cell_s=CELL_S,
-        grading_s=GRADING_S,
+    title = notebook_title(cells) or path.stem
+    content = _without_outputs(text)
+    return PublishedNotebook(
+        path,
+        slug or _slug(prefix + path.stem),
+        title,
+        content,
+        published,
+        taken,
+        left,
+        warnings,
+        packages,
+        files,
+        lacking,
     )
-    text += "".join(_exercises(taken))
-    name = re.sub(r"[^a-z0-9]+", "-", path.stem.lower()).strip("-") or "notebook"
-    slug = (name if name[0].isalpha() else f"notebook-{name}")[:MOST_SLUG].rstrip("-")
-    return Imported(slug, title, text, len(taken), left, warnings, files, lacking)
 
 
-def _tuple(name: str, values: Iterable[str]) -> str:
-    listed = ", ".join(map(quoted, values))
-    return f"    {name}=({listed},),\n" if listed else ""
+def _slug(name: str) -> str:
+    words = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-") or "notebook"
+    return (words if words[0].isalpha() else f"notebook-{words}")[:MOST_SLUG].rstrip("-")
 
 
-def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
-    used = set[str]()
-    for heading, run in groupby(taken, key=lambda placed: placed.heading):
-        match = re.match(rf"(?:exercise\s+)?({NUMBER.pattern})(?!\w)\W*(.*)", heading, re.IGNORECASE)
-        number = match[1] if match else ""
-        title = (match[match.re.groups] if match else "") or heading or "Checks"
-        number = next(n for n in (number, *map(str, range(1, 1000))) if n and n not in used)
-        used.add(number)
-        yield f"\n\n@notebook.exercise({quoted(number)}, {quoted(title)})\n"
-        yield f"def exercise_{number.replace('.', '_')}(ask):\n"
-        for placed in run:
-            got, expected = (
-                text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments
-            )
-            hint = HINTS.get(placed.call.kind, OWN_NUMBERS).format(
-                got=got, expected=expected or "the expected value"
-            )
-            yield f"    # validate.{placed.call.kind}: {hint}\n    ask.line({quoted(placed.call.label)})\n"
+def _without_outputs(text: str) -> bytes:
+    """Return a notebook's JSON with empty outputs, unchanged if it has none."""
+    notebook = json.loads(text)
+    full = [cell for cell in notebook["cells"] if cell.get("outputs")]
+    for cell in full:
+        cell["outputs"] = []
+    return (json.dumps(notebook, indent=1, ensure_ascii=False) + "\n" if full else text).encode()
 
 
-def _title(cells: Sequence[Cell]) -> str:
-    """Return the title of the course's ``header(number=…, title=…)``, else the first heading."""
-    for node in (node for cell in cells for node in cell.nodes):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "header":
-            given = {k.arg: k.value.value for k in node.keywords if isinstance(k.value, ast.Constant)}
-            if given.get("title"):
-                return " ".join(str(given[name]) for name in ("number", "title") if given.get(name))
-    return next((text for cell in cells for _, text in cell.headings), "")
-
-
-def quoted(text: str) -> str:
-    """Return a string literal in the quotes that need fewer escapes, as the formatter writes it."""
-    quote = "'" if text.count('"') > text.count("'") else '"'
-    return quote + text.replace("\\", "\\\\").replace(quote, f"\\{quote}") + quote
+def _is_comment(source: str) -> bool:
+    return all(not line.strip() or line.lstrip().startswith("#") for line in source.split("\n"))

@@ -5,7 +5,7 @@ import contextlib
 import importlib.metadata
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,9 +29,12 @@ class Dependencies(NamedTuple):
     lacking: list[str]
 
 
-def dependencies(cells: Sequence[Cell], folder: Path, course: Path) -> Dependencies:
+def dependencies(
+    cells: Sequence[Cell], folder: Path, course: Path, wanted: Mapping[str, str]
+) -> Dependencies:
     """Return what the code cells, and the course's packages that they import, import and read. Data files are
-    in ``folder``; ``course`` is the folder for the course's own packages, which may not exist.
+    in ``folder``; ``course`` is the folder for the course's own packages, which may not exist. Of the modules
+    ``wanted`` by the course, those that a text names are needed too: an emptied cell has lost its imports.
     """
     nodes = [node for cell in cells for node in cell.nodes]
     texts = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
@@ -49,6 +52,8 @@ def dependencies(cells: Sequence[Cell], folder: Path, course: Path) -> Dependenc
     imported |= _imported(
         [node for path in course_packages.sources(imported, course) for node in _nodes(path)]
     )
+    text = "\n".join(cell.source for cell in cells).lower()
+    imported |= {name for name in wanted if name in known and re.search(rf"\b{re.escape(name)}\b", text)}
     needed = sorted(imported - given)
     packages = {known[name][0] for name in needed if name in known} - with_requirements(SANDBOX).keys()
     return Dependencies(sorted(packages), files, warnings, [name for name in needed if name not in known])

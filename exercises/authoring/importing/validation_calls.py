@@ -17,8 +17,8 @@ LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictCo
 
 class Call(NamedTuple):
     """A call of a validation word in a cell: its line and column, its kind, which is the word, its label, its
-    first two arguments, whether it is inside a function, and the first and last line of the ``loop`` that
-    repeats it.
+    first two arguments, the ``function`` as the cell calls it, whether it is inside a function, and the first
+    and last line of the ``loop`` that repeats it.
 
     The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false.
     ``numbers`` are the tolerances and limits that its text gives as numbers, and ``computed`` the names of
@@ -34,6 +34,7 @@ class Call(NamedTuple):
     is_plain: bool = False
     numbers: tuple[tuple[str, float], ...] = ()
     computed: tuple[str, ...] = ()
+    function: str = ""
 
     @property
     def repeated(self) -> bool:
@@ -61,12 +62,13 @@ def calls(source: str, words: Words) -> tuple[Call, ...]:
                 (node.lineno, node.col_offset),
                 word.name,
                 _text(label),
-                (_argument(node, 0), _argument(node, 1)),
+                (_argument(node, word, 0), _argument(node, word, 1)),
                 in_function=id(node) in inside,
                 loop=lines.get(id(node), ()),
                 is_plain=isinstance(label, ast.Constant),
                 numbers=tuple((name, number) for name, number in numbers.items() if number is not None),
                 computed=tuple(name for name, number in numbers.items() if number is None),
+                function=ast.unparse(node.func),
             )
             found.append(call)
     return tuple(sorted(found))
@@ -77,8 +79,9 @@ def _lines(node: ast.AST) -> tuple[int, ...]:
     return (getattr(node, "lineno", 0), getattr(node, "end_lineno", None) or 0)
 
 
-def _argument(node: ast.Call, at: int) -> str:
-    return " ".join(ast.unparse(node.args[at]).split()) if len(node.args) > at else ""
+def _argument(node: ast.Call, word: Word, at: int) -> str:
+    given = _given(node, word, word.parameters[at]) if len(word.parameters) > at else None
+    return ast.unparse(given) if given is not None else ""
 
 
 def _word(node: ast.Call, known: Mapping[str, Mapping[str, Word]]) -> Word | None:

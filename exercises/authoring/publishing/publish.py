@@ -6,13 +6,14 @@ It is a pure function of the assignment's folder. The server fills in ``{{SERVER
 """
 
 import ast
+import builtins
 import json
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from exercises.authoring.importing.validation_cells import Line
+from exercises.authoring.importing.lines import Line
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, with_ids
 from exercises.authoring.questions.question import Question
 from polhode.notebook.cell_source import DEFINITION, python_of, statements_of
@@ -33,7 +34,7 @@ SERVER = "{{{{SERVER}}}}"
 polhode.connect(SERVER, assignment="{slug}")
 polhode.login()"""
 SUBMIT_NOTE = '# Run All does not submit. Run the cells above first; then remove the "# " from the next line.'
-EMPTY = "# your code here"
+EMPTY, TO_DEFINE = "# your code here", "# {} = ..."
 BROUGHT = "  # polhode.connect, in a cell above, brings {package}"
 """A comment behind the first import of a course's package: the traceback shows it to a student who runs that
 cell first.
@@ -66,11 +67,16 @@ def published(
     kept = _with_comment(kept, packages)
     read = {name for cell in kept if not cell.is_solution(names) for name in _read_in(cell)} | set(names)
     checked = dict(_checks(kept, sections))
+    wanted = _wanted(kept, names) if any(section.lines for section in sections) else {}
     made = []
     for at, cell in enumerate(kept):
-        made.append(
-            replace(cell, source=_emptied_cell(cell, names, read)) if cell.is_solution(names) else cell
+        here = wanted.get(at, [])
+        source = (
+            _emptied_cell(cell, names, read, here)
+            if cell.is_solution(names)
+            else "\n".join([cell.source, *map(TO_DEFINE.format, here)])
         )
+        made.append(replace(cell, source=source))
         made += [
             _code(f'polhode.check("{number}")', _id("check", number), "check")
             for number, after in checked.items()
@@ -120,11 +126,32 @@ def _checks(cells: Sequence[Cell], sections: Sequence[Section]) -> Iterator[tupl
             yield section.number, solutions[-1]
 
 
-def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> str:
+def _wanted(cells: Sequence[Cell], names: Collection[str]) -> dict[int, list[str]]:
+    """Return the names that given cells read and no other cell binds, by the index of the last cell above the
+    first of them that students fill in.
+    """
+    bound, last, found = {name for cell in cells for name in cell.bound()}, None, dict[int, list[str]]()
+    for at, cell in enumerate(cells):
+        if cell.is_solution(names) or _is_comment(cell):
+            last = at
+        elif last is not None and cell.kind == "code":
+            new = [name for name in _read_in(cell) if name not in bound and not hasattr(builtins, name)]
+            found.setdefault(last, []).extend(sorted(set(new)))
+            bound.update(new)
+    return found
+
+
+def _is_comment(cell: Cell) -> bool:
+    return cell.kind == "code" and python_of(cell.source) is not None and not statements_of(cell.source)
+
+
+def _emptied_cell(
+    cell: Cell, names: Collection[str], read: Collection[str], wanted: Collection[str] = ()
+) -> str:
     """Return the text of a solution's cell without the solution.
 
     A cell with the tag, or one that binds a solution by another statement than a definition, keeps only the
-    emptied definitions and the names that the rest of the notebook reads.
+    emptied definitions and the names that the rest of the notebook reads, those ``wanted`` among them.
     """
     if (text := python_of(cell.source)) is None:
         return EMPTY
@@ -142,10 +169,10 @@ def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> 
         for node in reversed(solved):
             lines[head + _first(node) - 1 : head + (node.end_lineno or 0)] = [_emptied(text, node)]
         return "\n".join(lines)
-    asked = [name for name in others if name in read and not name.startswith("_")]
+    asked = [name for name in others if name in read and not name.startswith("_")] + [*wanted]
     parts = [_emptied(text, node) for node in solved]
     if asked or not parts:
-        parts.append(EMPTY + "".join(f"\n# {name} = ..." for name in asked))
+        parts.append("\n".join([EMPTY, *map(TO_DEFINE.format, asked)]))
     return "\n\n\n".join(parts)
 
 

@@ -14,6 +14,8 @@ from polhode.notebook.cell_source import DEFINITION, python_of, statements_of, w
 
 # tags of cells that students must not see, that install the kit, and that only look at results
 SOLUTION, INSTALL, LOOK = "solution", "install", "look"
+NUMBER = re.compile(r"\d+[a-z]?(\.\d+)*")  # of an exercise
+SEPARATOR = r"[\s.:,;)·\u2010-\u2015\u2212-]*"  # between the number and the title in a heading
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _HEADING = re.compile(r"^(#{1,6})[ \t]+(.+?)[ \t#]*$", re.MULTILINE)
 _SETUP = re.compile(r"[\d.\s]*setup\W*", re.IGNORECASE)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from exercises.authoring.assignments import catalogue, course_packages
-from exercises.authoring.importing.importing import quoted
+from exercises.authoring.importing.assignment_file import quoted
 from service.cli.errors import CommandError
 
 TEMPLATE = Path(__file__).parent / "template"

@@ -66,7 +66,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _write_refusal(reason: str, arguments: Sequence[str], results: Path) -> None:
     """Write results with no points and the instruction to submit one file."""
-    from exercises.authoring.assignments.catalogue import assignments
+    from exercises.authoring.assignments.catalogue import assignments, find
     from service.cli.output_file import write
     from service.formats import gradescope
     from service.grading.grade import select
@@ -76,7 +76,7 @@ def _write_refusal(reason: str, arguments: Sequence[str], results: Path) -> None
     parser.add_argument("--assignment", choices=sorted(assignments()), required=True)
     parser.add_argument("--exercise", action="append")
     asked, _ = parser.parse_known_args(arguments)
-    assignment = assignments()[asked.assignment]
+    assignment = find(asked.assignment)
     assignment = replace(assignment, exercises=tuple(select(assignment, asked.exercise)))
     refused = GradedFile(file=HOME / "submission", refused=reason)
     write(results, json.dumps(gradescope.document(refused, assignment), ensure_ascii=False))

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_cells import ReportedLine
+from exercises.authoring.importing.line_samples import solved_notebook
+from exercises.authoring.importing.lines import ReportedLine
 from service.grading.sandbox_job import job_of
 from service.grading.submission import Submission
 from service.sandbox.result import TooBusy
@@ -52,5 +53,5 @@ def _solution(assignment: Assignment) -> Submission | None:
     for path in samples:
         if path.suffix in (".ipynb", ".py"):
             return Submission.from_bytes(path.read_bytes(), path.name)
-    made = next((one for one in assignment.made_samples() if one.right and one.is_notebook), None)
-    return None if made is None else Submission.from_bytes(made.source.encode(), made.name)
+    solved = solved_notebook(assignment)
+    return None if solved is None else Submission.from_bytes(solved.encode(), "solved.ipynb")

@@ -116,7 +116,7 @@ def _run(
     student |= _adopt(plays, questions, student | cells.names_shown, cells.shows)
     names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
     missing = cells.missing(job["functions"])
-    write.event("defined", names=names, missing=missing, claims_left_out=recorder.left_out)
+    write.event("defined", names=names, missing=missing, claims_left_out=recorder.left_out, costs=cells.costs)
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:

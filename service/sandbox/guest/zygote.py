@@ -34,7 +34,7 @@ NEEDED = {
 }  # exit codes of a child that uses a library which the zygote has not imported
 LOCKDOWN_FAILED = 97  # exit code
 READY = b"ready"
-PLAY = struct.Struct("<i")  # limit of CPU time in seconds
+PLAY = struct.Struct("<ii")  # limits of CPU time in seconds and of memory in MiB
 REAPED = struct.Struct("<iid?")
 """Wait status, that of the child with the reference functions or 0, CPU time of both in seconds, and whether
 the child ended because its scratch folder was full.
@@ -126,12 +126,12 @@ def _obey(control: socket.socket, layers: Any, room: str) -> None:
             _import_later(message.removeprefix(IMPORT).decode())
             control.send(READY)
         elif fds:
-            _play(control, layers, room, PLAY.unpack(message)[0], fds)
+            _play(control, layers, room, PLAY.unpack(message), fds)
         else:
             return
 
 
-def _play(control: socket.socket, layers: Any, room: str, cpu_s: int, fds: list[int]) -> None:
+def _play(control: socket.socket, layers: Any, room: str, limits: tuple[int, ...], fds: list[int]) -> None:
     """Start the children of a play with descriptors of job, result, output, and of the reference functions if
     there are more. Report their pidfds and how they ended, and remove the scratch folder.
     """
@@ -140,9 +140,9 @@ def _play(control: socket.socket, layers: Any, room: str, cpu_s: int, fds: list[
     reference = fds[3:]
     if reference:
         calls = [end.detach() for end in socket.socketpair()]
-    children = [_fork_submission(layers, scratch, [*fds[:3], *calls[1:]], cpu_s)]
+    children = [_fork_submission(layers, scratch, [*fds[:3], *calls[1:]], limits)]
     if reference:
-        children.append(_fork_reference(layers, [reference[0], calls[0], reference[1]], cpu_s))
+        children.append(_fork_reference(layers, [reference[0], calls[0], reference[1]], limits))
     for fd in (*fds, *calls):
         os.close(fd)
     handles = [os.pidfd_open(child) for child in children]
@@ -200,7 +200,7 @@ def _watch(child: int, handle: int, scratch: Scratch) -> bool:
     return False
 
 
-def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], cpu_s: int) -> int:
+def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], limits: tuple[int, ...]) -> int:
     """Start the child that runs a submission, and return its process id."""
     zygote = os.getpid()
     if child := os.fork():
@@ -214,18 +214,18 @@ def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], cpu_s: int) 
         os._exit(LOCKDOWN_FAILED)
     job, result, output, *calls = fds
     places = {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5))
-    _run("run_scenes", layers, places, cpu_s)
+    _run("run_scenes", layers, places, limits)
 
 
-def _fork_reference(layers: Any, fds: list[int], cpu_s: int) -> int:
+def _fork_reference(layers: Any, fds: list[int], limits: tuple[int, ...]) -> int:
     """Start the child that holds reference functions, and return its process id."""
     if child := os.fork():
         return child
     layers.own_folder(None)
-    _run("reference", layers, {1: None, 2: None} | dict(enumerate(fds, start=3)), cpu_s)
+    _run("reference", layers, {1: None, 2: None} | dict(enumerate(fds, start=3)), limits)
 
 
-def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int) -> NoReturn:
+def _run(program: str, layers: Any, places: Mapping[int, int | None], limits: tuple[int, ...]) -> NoReturn:
     """Run a program of this package with descriptors at ``places``, from 3 on, None for /dev/null.
     Exit then.
     """
@@ -233,7 +233,7 @@ def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int
     try:
         devnull = os.open(os.devnull, os.O_RDWR)
         layers.apply(
-            {0: devnull} | {place: devnull if fd is None else fd for place, fd in places.items()}, cpu_s
+            {0: devnull} | {place: devnull if fd is None else fd for place, fd in places.items()}, *limits
         )
         run = importlib.import_module(f"guest.{program}").run
 

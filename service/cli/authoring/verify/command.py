@@ -8,6 +8,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -15,8 +16,10 @@ from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.catalogue import find, load_catalogue
 from exercises.authoring.assignments.samples import SampleSet, load_samples
+from exercises.authoring.importing.line_samples import right_notebooks
 from service.cli.arguments import count, seed
 from service.cli.authoring.verify.course_packages import import_errors
+from service.cli.authoring.verify.lines import has_lines, verify_lines
 from service.cli.authoring.verify.made_samples import declaration_errors, verify_made
 from service.cli.authoring.verify.written_samples import verify_written
 from service.sandbox.isolation.levels import Isolation
@@ -86,7 +89,13 @@ def _verify_assignment(
         return 2
     codes = [0]
     jobs, whole = arguments.jobs or idle_processors(), not arguments.only
-    own = bool(found.samples or found.unlisted or not assignment.questions)
+    lines = has_lines(assignment)
+    if lines and whole:
+        codes.append(verify_lines(assignment, arguments.seed, isolation, jobs))
+        catalogue.keep_index(assignment)
+        solved = right_notebooks(assignment.folder)  # verified by their lines
+        found = replace(found, unlisted=[file for file in found.unlisted if file not in solved])
+    own = bool(found.samples or found.unlisted or not (assignment.questions or lines))
     if assignment.questions:
         made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
         seeds = range(arguments.seed, arguments.seed + arguments.seeds)

@@ -5,10 +5,12 @@ statement.
 import ast
 import linecache
 import os
+import resource
 import sys
 import types
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from time import process_time
 from typing import Any
 
 from polhode.animation import animate
@@ -28,6 +30,10 @@ from .statements import Attempt, Statements
 
 Names = dict[str, Any]
 LEFT_OUT_EXIT = "sys.exit() was left out, and the code after it was run"
+GIVEN_MEMORY = (
+    "this given cell asked for more memory than is left: free what your cells keep, or tell your course,"
+    " which can raise memory_mb of the assignment"
+)
 DEFINITIONS_S = 1.0  # for the definitions that follow when the time of the cells is spent for good
 ONLY_DEFINITIONS = "; of the statements after it, only definitions were run"
 
@@ -41,13 +47,16 @@ class Cells:
     last cell that showed an animation, ``names_shown`` what the module's names were then: later cells may
     give them other values.
 
-    Names in ``fixed`` keep their values, whatever the cells assign to them; that is kept in ``replaced``.
+    ``costs`` are the seconds of CPU time of each cell and the most MiB of memory up to its end, if a cell is
+    published. Names in ``fixed`` keep their values, whatever the cells assign to them; that is kept in
+    ``replaced``.
     """
 
     def __init__(
         self, job: dict[str, Any], module: types.ModuleType, write: Writer, fixed: Names, replaced: Names
     ) -> None:
         self._job, self._names, self._write = job, module.__dict__, write
+        self.costs = list[tuple[str, float, float]]()
         self._fixed, self._replaced = fixed, replaced
         left_out = {Place(*place): Cause(*cause) for place, cause in job["left_out"]}
         self.statements = Statements(self._names, self._begin, left_out)
@@ -74,8 +83,12 @@ class Cells:
             self._budget = Budget(self._job["load_budget_s"]) if several else self._budget
             recorder.cell, recorder.places = name, published
             linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+            began = process_time()
             for piece in pieces(source):
                 self._run(piece, name, recorder, published=published)
+            if several:
+                peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+                self.costs.append((name, process_time() - began, peak_mb))
 
     def missing(self, names: list[str]) -> list[str]:
         """Return those of the names that are not written because a statement failed."""
@@ -102,7 +115,10 @@ class Cells:
             self.statements.failures.append(stray)
         for error in self.statements.failures[failed:][:1]:
             if not recorder.has_raised(error):  # else its line says so
-                self._write.event("cell", cell=name, **self._ended(error))
+                ended = self._ended(error)
+                if published and isinstance(error, MemoryError):
+                    ended["sentence"] = GIVEN_MEMORY
+                self._write.event("cell", cell=name, **ended)
         for place in self.statements.exits:
             shown = f'  File "{name}", line {place.line}\n{linecache.getline(name, place.line)}'
             self._write.event("cell", cell=name, ended="exited", sentence=LEFT_OUT_EXIT, traceback=shown)

@@ -20,9 +20,8 @@ PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_NO_NEW_PRIVS = 1, 4, 38
 CAPABILITY_VERSION_3 = 0x20080522
 GUEST_UID = 64001  # an unused number on Debian (64000 to 64999 are reserved); used where the server is root
 MIB = 1 << 20
+CODE_MB = 256  # of addresses, for the libraries, besides the memory for data
 LIMITS = {
-    resource.RLIMIT_AS: 768 * MIB,
-    resource.RLIMIT_DATA: 512 * MIB,
     resource.RLIMIT_STACK: 8 * MIB,
     resource.RLIMIT_NOFILE: 32,
     resource.RLIMIT_NPROC: 1,
@@ -66,12 +65,12 @@ class Layers:
             self._rules = self._paths.ruleset(path)
         self._most_file = 0 if path is None else LIMITS[resource.RLIMIT_FSIZE]
 
-    def apply(self, places: Mapping[int, int], cpu_s: int) -> None:
+    def apply(self, places: Mapping[int, int], cpu_s: int, memory_mb: int) -> None:
         """Apply the layers to this process, which cannot undo them, and close all files except ``places``.
 
         ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there.
         The kernel ends this process after ``cpu_s`` seconds of CPU time, or a second later if it ignores the
-        signal.
+        signal. Its data may take ``memory_mb`` MiB.
         """
         os.setpgid(0, 0)  # not a new session, which would be scheduled as a group of its own
         self.close_all_but(places)
@@ -81,7 +80,7 @@ class Layers:
         signal.pthread_sigmask(signal.SIG_SETMASK, [])
         call("prctl", PR_SET_DUMPABLE, 0, 0, 0, 0)
         die_with_parent()
-        self.limit()
+        self.limit(memory_mb)
         if self._limits:
             resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))  # SIGXCPU, then SIGKILL
         call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
@@ -92,12 +91,17 @@ class Layers:
             assert self._machine is not None
             seccomp.install(self._machine, self._filter, os.getpid())
 
-    def limit(self) -> None:
+    def limit(self, memory_mb: int) -> None:
         """Apply the limits other than that of CPU time: of memory, and no other process or thread, among
         others.
         """
         if self._limits:
-            for which, limit in (LIMITS | {resource.RLIMIT_FSIZE: self._most_file}).items():
+            limits = LIMITS | {
+                resource.RLIMIT_AS: (memory_mb + CODE_MB) * MIB,
+                resource.RLIMIT_DATA: memory_mb * MIB,
+                resource.RLIMIT_FSIZE: self._most_file,
+            }
+            for which, limit in limits.items():
                 resource.setrlimit(which, (limit, limit))
 
     def close_all_but(self, places: Mapping[int, int]) -> None:

@@ -42,6 +42,15 @@ def test_every_resource_is_limited(either_sandbox):
     )
 
 
+def test_a_job_may_have_more_memory(sandbox):
+    source = (
+        "import resource\n"
+        "print([resource.getrlimit(n)[0] >> 20 for n in (resource.RLIMIT_AS, resource.RLIMIT_DATA)])"
+    )
+    job = Job("", "", (Cell("submission.py", source),), ("f",), (SCENE,), memory_mb=1024)
+    assert sandbox.play(job).stdout == "[1280, 1024]\n"
+
+
 def test_no_file_is_open_but_those_of_the_play(either_sandbox):
     source = """
 import json, os

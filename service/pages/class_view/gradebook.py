@@ -18,7 +18,7 @@ from service.pages import form_times
 from service.pages.class_view import tabs
 from service.pages.rejected_forms import post_form
 from service.store.course import assignment_settings, deadlines, gradebook
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED, MOST_WEIGHT = 60 * 24 * 366, 10_000, 1000
@@ -29,7 +29,9 @@ async def class_sweep(
     person: Staff, assignment: Assigned, database: Db, renderer: Held[Renderer]
 ) -> Response:
     """Return the speed vs accuracy chart of the class's measured functions."""
-    documents = await sweeps.documents(database, await gradebook.students(database, assignment.slug))
+    documents = await speed_vs_accuracy.documents(
+        database, await gradebook.students(database, assignment.slug)
+    )
     if not documents:
         raise Problem(
             404, "not-found", "no submission has been measured yet: start the measurement on the class page"
@@ -40,7 +42,7 @@ async def class_sweep(
 @post_form(router, "/assignments/{slug}/class/sweep", page=tabs.overview, at="/assignments/{slug}/class")
 async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Queue the speed vs accuracy sweep of all counted submissions, behind all other jobs."""
-    await sweeps.request_class(database, await gradebook.students(database, assignment.slug))
+    await speed_vs_accuracy.request_class(database, await gradebook.students(database, assignment.slug))
     return RedirectResponse(f"/assignments/{assignment.slug}/class#speed", 303)
 
 

@@ -89,8 +89,8 @@ GRADING = [
     Breakage(
         "the author's notebook is no sample",
         "exercises/authoring/mutants/mistakes.py",
-        "if solved := tuple(number for number in numbers if number not in absent):",
-        "if solved := ():",
+        'yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), numbers, right=True)',
+        'yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), (), right=True)',
         ("tests/service/cli/authoring/verify/test_made_samples.py",),
     ),
     Breakage(
@@ -128,11 +128,11 @@ GRADING = [
     ),
     Breakage(
         "a submission that Gradescope did not deliver is a zero",
-        "service/cli/grading/gradescope_autograder.py",
+        "service/cli/grading/run_in_gradescope.py",
         "if not submission.is_dir():",
         "if submission.is_file():",
         (
-            "tests/service/cli/grading/test_gradescope_autograder.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
+            "tests/service/cli/grading/test_run_in_gradescope.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
         ),
     ),
     Breakage(

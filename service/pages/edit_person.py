@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from urllib.parse import quote
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import RedirectResponse
+from fastapi.responses import HTMLResponse, RedirectResponse
 from starlette.datastructures import FormData
 
 from exercises.authoring.assignments.catalogue import assignments
@@ -18,7 +18,7 @@ from service.http.requests import PublicAddress
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import form_times
-from service.pages.people import PersonName, find_person, show_people, show_person
+from service.pages.people import PersonName, find_person, show_person
 from service.pages.rejected_forms import post_form
 from service.store.course import audit, deadlines
 from service.store.database import Connection
@@ -36,7 +36,15 @@ LONGEST = 200
 TOKEN_S = 200.0 * tokens.DAY_S
 
 
-@post_form(router, "/people/add", page=show_people, at="/people")
+@router.get("/people/add", response_class=HTMLResponse)
+async def show_add(request: Request, person: Instructor, database: Db) -> Response:
+    """Show the form that adds a person."""
+    sections = sorted({one.section for one in await people.everybody(database) if one.section})
+    context = {"roles": people.ROLES, "sections": sections}
+    return templates.TemplateResponse(request, "add_person.html", context)
+
+
+@post_form(router, "/people/add", page=show_add, at="/people/add")
 async def add(
     request: Request, person: Instructor, form: forms.Form, database: Db, address: PublicAddress
 ) -> Response:

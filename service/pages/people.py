@@ -32,9 +32,7 @@ async def show_people(
     request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
 ) -> Response:
     """Show all people of the course, and to instructors the roster import."""
-    rows = await people.everybody(database)
-    sections = sorted({row.section for row in rows if row.section})
-    context = {"rows": rows, "imported": entered, "roles": people.ROLES, "sections": sections}
+    context = {"rows": await people.everybody(database), "imported": entered}
     return templates.TemplateResponse(request, "people.html", context)
 
 

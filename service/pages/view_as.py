@@ -10,25 +10,34 @@ from service.auth.roles import OptionalUser, Staff
 from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
 from service.http.state import Db
+from service.pages import course, setup
+from service.pages.people import PersonName, find_person, show_person
+from service.pages.rejected_forms import post_form
 from service.store.course import audit
-from service.store.people import people
 
 router = APIRouter()
 
 
-@router.post("/view")
-async def start(person: Staff, form: forms.Form, database: Db, cookies: BrowserCookies) -> Response:
-    """Show the pages from now on as the student ``name`` sees them; without a name, as a student does who
-    has submitted what the member of the staff has.
-    """
-    if name := forms.field(form, "name"):
-        found = await people.find(database, name)
-        if found is None or found.role not in ("student", "former"):
-            raise Problem(422, "invalid-request", f"no student named {name[:80]}: see People", "/name")
-        async with database.begin() as connection:
-            await audit.record(connection, person.name, "view as", name, {})
+@post_form(router, "/view", page=course.index, at="/")
+@post_form(router, "/setup/view", page=setup.show, at="/setup")
+async def as_a_student(person: Staff, form: forms.Form, cookies: BrowserCookies) -> Response:
+    """Show the pages from now on as to a student who has submitted what the member of the staff has."""
     response = RedirectResponse("/", 303)
-    cookies.view_as(response, person.name, name or person.name)
+    cookies.view_as(response, person.name, person.name)
+    return response
+
+
+@post_form(router, "/person/view", page=show_person, at="/person")
+async def as_one_student(
+    person: Staff, form: forms.Form, database: Db, cookies: BrowserCookies, name: PersonName
+) -> Response:
+    """Show the pages from now on as the student ``name`` sees them."""
+    if (await find_person(database, name)).role not in ("student", "former"):
+        raise Problem(422, "invalid-request", f"{name} is not a student: choose one")
+    async with database.begin() as connection:
+        await audit.record(connection, person.name, "view as", name, {})
+    response = RedirectResponse("/", 303)
+    cookies.view_as(response, person.name, name)
     return response
 
 

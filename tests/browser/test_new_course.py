@@ -84,11 +84,9 @@ def publish_with_deadline(page):
 def add_student(page, objections):
     """Add a student from the set-up page; return their token, which is shown once."""
     page.get_by_role("link", name="add a person").click()
-    page.wait_for_url("**/people#add")
+    page.wait_for_url("**/people/add")
     objections += wrong(page)
-    page.locator("#add").get_by_label("Login name").fill("ben")
-    page.locator("#add").get_by_label("Full name").fill("Ben Ek")
-    page.locator("#add").get_by_label("Section").fill("A")
+    fill(page, {"Login name": "ben", "Full name": "Ben Ek", "Section": "A"})
     page.get_by_role("button", name="Add person").click()
     page.get_by_role("heading", name="New login of ben").wait_for()
     objections += wrong(page)

@@ -116,6 +116,7 @@ async def _fill(database, url, sandbox, source, texts):
         "course settings": "/settings",
         "setup": "/setup",
         "start": "/start",
+        "add person": "/people/add",
         "extensions": "/extensions",
         "api": "/docs",
     }

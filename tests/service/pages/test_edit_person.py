@@ -25,7 +25,7 @@ def url(postgres):
 def ben(looks, url):
     """Ben is in the course with the values of BEN."""
     if looks("prof", PAGE)[0] == 404:
-        looks("prof", "/people/add", at="/people", name="ben", **BEN)
+        looks("prof", "/people/add", at="/people/add", name="ben", **BEN)
     sql(url, "UPDATE person SET full_name = 'Ben Ek', email = 'ben@x.org', student_id = '42', section = 'A'")
     entered(url, "ben", "student")
 
@@ -52,18 +52,18 @@ def edit(looks, who, shown, **changes):
 
 
 def test_a_person_is_added_with_a_token_that_is_shown_once(server, looks, url):
-    status, page, _ = looks("prof", "/people/add", at="/people", name="fay", token="yes", **BEN)
+    status, page, _ = looks("prof", "/people/add", at="/people/add", name="fay", token="yes", **BEN)
     token = re.search(r'id="secret"[^>]*>(polhode_[\w-]+)<', page)[1]
     assert status == 200 and f"{server.url}/login#token={token}" in page
     assert stored(url, "fay") == BEN
     assert Browser(server).log_in(token=token).open("/account")[0] == 200
     assert token not in looks("prof", "/person?name=fay")[1]
-    assert ">A</td>" in looks("helper", "/people")[1], "her section"
+    assert "<td>student, A</td>" in looks("helper", "/people")[1], "her section"
 
 
 def test_without_a_token_the_persons_page_follows(looks, url):
     status, page, _ = looks(
-        "prof", "/people/add", at="/people", name=" Zoë Å ", **BEN | {"role": "assistant"}
+        "prof", "/people/add", at="/people/add", name=" Zoë Å ", **BEN | {"role": "assistant"}
     )
     assert status == 200 and "<h1>Ben Ek</h1>" in page and stored(url, "Zoë Å")["role"] == "assistant"
 
@@ -82,7 +82,7 @@ def test_without_a_token_the_persons_page_follows(looks, url):
 def test_a_person_who_cannot_be_added_is_not(looks, url, fields, sentence):
     people = sql(url, "SELECT count(*) FROM person")
     typed = {"name": "gus", **BEN} | fields
-    status, page, _ = looks("prof", "/people/add", at="/people", **typed)
+    status, page, _ = looks("prof", "/people/add", at="/people/add", **typed)
     assert status == 422 and sentence in page and 'value="42"' in page
     assert sql(url, "SELECT count(*) FROM person") == people
 
@@ -173,6 +173,6 @@ def test_an_extension_is_given_and_removed_on_the_persons_page(looks, url, ben):
 def test_assistants_see_no_forms_and_an_unknown_person_is_not_found(looks, url, ben):
     page = looks("helper", PAGE)[1]
     assert "/person/edit" not in page and "/person/token" not in page and "/person/extensions" not in page
-    assert "/people/add" not in looks("helper", "/people")[1]
+    assert "/people/add" not in looks("helper", "/people")[1] and looks("helper", "/people/add")[0] == 403
     for path in ("edit", "token", "password", "extensions"):
         assert looks("prof", f"/person/{path}?name=nobody", at="/people", role="student")[0] == 404

@@ -40,12 +40,18 @@ from service.pages import (
     api_reference,
     course,
     course_settings,
+    edit_person,
+    extensions,
+    first_run,
     login,
     notebook_lines,
     people,
     queue,
     regrades,
+    roster,
+    setup,
     speed_vs_accuracy,
+    view_as,
 )
 from service.pages.class_view import gradebook, tabs
 from service.pages.rejected_forms import form_state
@@ -71,7 +77,13 @@ ROUTERS = (
 )
 PAGES = (
     course.router,
+    first_run.router,
+    setup.router,
+    view_as.router,
     people.router,
+    edit_person.router,
+    extensions.router,
+    roster.router,
     course_settings.router,
     notebook_lines.router,
     tabs.router,

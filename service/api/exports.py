@@ -19,7 +19,8 @@ from service.formats import grades as grade_files
 from service.formats.filenames import safe_filename
 from service.formats.grade_row import GradeRow
 from service.http.state import Db
-from service.store.course.grades import grades, roster
+from service.store.course.grades import grades
+from service.store.people.people import members
 
 router = APIRouter()
 CSV = "text/csv; charset=utf-8"
@@ -71,7 +72,7 @@ async def gradebook_csv(
 @router.get("/assignments/{slug}/all.zip")
 async def all_zip(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Stream a zip of every submission with its report, the grades, the roster and the audit log."""
-    rows, people = await grades(database, assignment.slug), await roster(database)
+    rows, people = await grades(database, assignment.slug), await members(database)
     own_csv, own_json = await asyncio.gather(
         *(asyncio.to_thread(form, assignment, rows) for form in (_csv, _json))
     )
@@ -85,7 +86,7 @@ async def all_zip(person: Staff, assignment: Assigned, database: Db) -> Response
 @router.get("/assignments/{slug}/submissions.zip")
 async def submissions_zip(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Stream a zip of every submission's file and report, and their index."""
-    parts = course_archive(database, assignment.slug, {}, await roster(database), everything=False)
+    parts = course_archive(database, assignment.slug, {}, await members(database), everything=False)
     return StreamingResponse(
         parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-submissions.zip")
     )

@@ -10,7 +10,7 @@ from polhode.judging.outcome import SweepResult
 from polhode.report.document import document
 from polhode.report.report import Report
 from service.grading.author_errors import author_errors, find_assignment
-from service.grading.diagnosis.reproduction import LIMITS
+from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.playing import OnProgress, play

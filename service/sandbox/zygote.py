@@ -24,6 +24,7 @@ from service.sandbox.guest.zygote import (
     READY,
     REAPED,
 )
+from service.sandbox.guest_frames import Reader
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.isolation.credentials import Identity
 from service.sandbox.job import Job
@@ -31,7 +32,6 @@ from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, 
 from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorTimes, TimeBudget, processor_times
 from service.sandbox.untrusted_text import text
-from service.sandbox.wire import Reader
 
 log = logging.getLogger(__name__)
 START_S, MOST_STARTS = 30.0, 20

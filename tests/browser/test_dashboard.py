@@ -247,14 +247,16 @@ def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, ser
     log_in(page(), f"{server.url}{BASE}", token=given["zoe"])
 
 
-def test_a_roster_that_is_none_is_told_with_its_line(seen_by, tmp_path):
-    seen_by.allowed.append("status of 422")
+def test_a_role_that_is_not_understood_must_be_confirmed(seen_by, tmp_path):
     prof, file = seen_by("prof", "/people"), tmp_path / "bad.csv"
     file.write_text("name,role\nzoe,queen\n")
     prof.locator("summary", has_text="Import roster").click()
     prof.get_by_label("Roster file").set_input_files(file)
-    prof.get_by_role("button", name="Import").click()
-    assert "bad.csv, line 2: a role must be one of student" in prof.get_by_role("alert").inner_text()
+    prof.get_by_role("button", name="Preview import").click()
+    prof.get_by_label("The role “queen” means").select_option("student")
+    prof.get_by_role("button", name="Preview again").click()
+    prof.get_by_role("button", name="Import 1 person").click()
+    prof.get_by_text("Imported 1 person.").wait_for()
 
 
 def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(seen_by, sent):

@@ -5,6 +5,7 @@ import getpass
 import os
 import shlex
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 from uuid import UUID
@@ -16,7 +17,12 @@ from service.cli.server.database import in_database, in_transaction
 from service.formats.spreadsheet_csv import table
 from service.store.course import audit
 from service.store.database import Connection
-from service.store.people import credentials, people, roster, tokens
+from service.store.people import credentials, people, tokens
+from service.store.people.roster.columns import FIELDS
+from service.store.people.roster.importing import Plan, carry_out, compare
+from service.store.people.roster.problems import shortened
+from service.store.people.roster.reading import Choices, Roster, read
+from service.store.people.roster.text import ENCODINGS
 
 DAYS, MOST_DAYS = 200.0, 3650.0
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
@@ -33,8 +39,8 @@ def add_roster(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="ROSTER.csv",
         help=(
-            "CSV with a header: name; optional: role, full_name, email, student_id; or a roster of"
-            " Gradescope, Canvas, Moodle or PrairieLearn; default: list the people"
+            "CSV with a header: name; optional: role, full_name, email, student_id, section; or a roster of"
+            " another tool; default: list the people"
         ),
     )
     parser.add_argument(
@@ -45,6 +51,26 @@ def add_roster(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--days", type=_days, help=f"with --tokens: days until the tokens expire (default {DAYS:g})"
+    )
+    parser.add_argument(
+        "--column",
+        action="append",
+        type=_pair,
+        metavar="FIELD=HEADING",
+        help=f"the column that holds a field, one of {', '.join(FIELDS)}; repeatable; default: guess",
+    )
+    parser.add_argument(
+        "--role",
+        action="append",
+        type=_pair,
+        metavar="WORD=ROLE",
+        help="the role that a word of the file means; repeatable",
+    )
+    parser.add_argument("--encoding", choices=ENCODINGS, help="encoding of the file; default: guess")
+    parser.add_argument(
+        "--confirm",
+        action="store_true",
+        help="import although something is unclear: run the command without this option first, to see it",
     )
     parser.set_defaults(run=_roster)
 
@@ -91,6 +117,8 @@ def _roster(arguments: argparse.Namespace) -> None:
         raise CommandError("--tokens and --days apply to an import: give the file ROSTER.csv too")
     if arguments.days and not arguments.tokens:
         raise CommandError("--days applies to tokens: give the file --tokens TOKENS.csv too")
+    if arguments.file is None and (arguments.column or arguments.role or arguments.encoding):
+        raise CommandError("--column, --role and --encoding apply to an import: give the file ROSTER.csv too")
     if arguments.file is not None:
         _import_roster(arguments)
         return
@@ -103,38 +131,66 @@ def _roster(arguments: argparse.Namespace) -> None:
 
 def _import_roster(arguments: argparse.Namespace) -> None:
     """Import the roster in one transaction, which commits only after the token file, if any, is complete."""
-    found = roster.read(arguments.file.read_bytes(), str(arguments.file))
-    entries = found.entries
-    if found.unused:
-        print(f"columns not used: {', '.join(found.unused)}")
+    choices = Choices(dict(arguments.column or ()), dict(arguments.role or ()), arguments.encoding)
+    roster = read(arguments.file.read_bytes(), arguments.file.name, choices)
 
-    async def import_roster(connection: Connection, target: TextIO | None = None) -> None:
-        names, seconds = [entry.name for entry in entries], (arguments.days or DAYS) * tokens.DAY_S
-        await people.enroll(connection, entries)
-        rows = (
-            await tokens.create_all(
-                connection, names, label="issued with the roster", scopes=tokens.SCOPES, seconds=seconds
-            )
-            if target
-            else []
-        )
-        about = {"people": len(entries), "tokens": len(rows)}
-        await audit.record(connection, getpass.getuser(), "roster", arguments.file.name, about)
+    async def import_roster(connection: Connection, target: TextIO | None = None) -> int:
+        plan = await compare(connection, roster, None)
+        _print_columns(roster)
+        _refuse_unclear(plan, confirmed=arguments.confirm)
+        seconds = (arguments.days or DAYS) * tokens.DAY_S if target else None
+        created = await carry_out(connection, plan, getpass.getuser(), seconds)
         if target:
-            target.write(table(("name", "token"), rows, end="\n"))
+            target.write(table(("name", "token"), created, end="\n"))
             target.flush()
+        return len(plan.changes)
 
     if arguments.tokens is None:
-        in_transaction(import_roster)
-        print(f"imported {len(entries)} people, without tokens")
+        print(f"imported {in_transaction(import_roster)} people, without tokens")
         return
     with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:
         try:
-            in_transaction(lambda connection: import_roster(connection, target))
+            number = in_transaction(lambda connection: import_roster(connection, target))
         except BaseException:
             arguments.tokens.unlink()
             raise
-    print(f"imported {len(entries)} people; their tokens are in {arguments.tokens}")
+    print(f"imported {number} people; their tokens are in {arguments.tokens}")
+
+
+def _pair(text: str) -> tuple[str, str]:
+    """Return both sides of an equals sign."""
+    name, sign, value = text.partition("=")
+    if not sign:
+        raise argparse.ArgumentTypeError("expected NAME=VALUE")
+    return name, value
+
+
+def _print_columns(roster: Roster) -> None:
+    headings = roster.columns.headings
+    print(", ".join(f"{FIELDS[field]}: {headings[field]}" for field in FIELDS if field in headings))
+    if roster.columns.unused:
+        print(_indented("columns not imported:", roster.columns.unused, 2))
+    if roster.notes:
+        print(_indented("lines that are not about a person:", roster.notes, 2))
+
+
+def _refuse_unclear(plan: Plan, *, confirmed: bool) -> None:
+    """Raise CommandError if the file has errors, or questions that are not ``confirmed``."""
+    asked = [_indented(question.sentence, question.details, 4) for question in plan.questions]
+    if plan.errors:
+        heading = f"nothing was imported from {plan.roster.file}; correct:"
+        raise CommandError("\n  ".join([_indented(heading, plan.errors, 2), *asked]))
+    if asked and not confirmed:
+        heading = f"nothing was imported from {plan.roster.file}; correct it, or confirm with --confirm:"
+        raise CommandError("\n  ".join([heading, *asked]))
+    for question in asked:
+        print(question)
+
+
+def _indented(heading: str, items: Sequence[str], indent: int) -> str:
+    """Return a heading with indented items. What a terminal would obey is replaced in them."""
+    printable = ("".join(c if c.isprintable() else "?" for c in item) for item in shortened(items))
+    return f"\n{' ' * indent}".join([heading, *printable])
 
 
 def _give(arguments: argparse.Namespace) -> None:

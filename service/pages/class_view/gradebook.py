@@ -2,13 +2,11 @@
 accuracy.
 """
 
-from contextlib import suppress
 from datetime import UTC, datetime
 from urllib.parse import quote
 
 from fastapi import APIRouter, Response
 from fastapi.responses import RedirectResponse
-from starlette.datastructures import FormData
 
 from service.api.figure_renderer import Renderer
 from service.api.submissions import Assigned
@@ -16,16 +14,14 @@ from service.auth import forms
 from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db, Held
-from service.http.templating import ZONE
+from service.pages import form_times
 from service.pages.class_view import tabs
 from service.pages.rejected_forms import post_form
 from service.store.course import assignment_settings, deadlines, gradebook
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED, MOST_WEIGHT = 60 * 24 * 366, 10_000, 1000
-# other years are typing errors; date arithmetic overflows near the ends of the calendar
-YEARS = range(2000, 3000)
 
 
 @router.get("/assignments/{slug}/class/sweep.svg")
@@ -33,7 +29,9 @@ async def class_sweep(
     person: Staff, assignment: Assigned, database: Db, renderer: Held[Renderer]
 ) -> Response:
     """Return the speed vs accuracy chart of the class's measured functions."""
-    documents = await sweeps.documents(database, await gradebook.students(database, assignment.slug))
+    documents = await speed_vs_accuracy.documents(
+        database, await gradebook.students(database, assignment.slug)
+    )
     if not documents:
         raise Problem(
             404, "not-found", "no submission has been measured yet: start the measurement on the class page"
@@ -44,25 +42,28 @@ async def class_sweep(
 @post_form(router, "/assignments/{slug}/class/sweep", page=tabs.overview, at="/assignments/{slug}/class")
 async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Queue the speed vs accuracy sweep of all counted submissions, behind all other jobs."""
-    await sweeps.request_class(database, await gradebook.students(database, assignment.slug))
+    await speed_vs_accuracy.request_class(database, await gradebook.students(database, assignment.slug))
     return RedirectResponse(f"/assignments/{assignment.slug}/class#speed", 303)
 
 
 @post_form(router, "/assignments/{slug}/rules", page=tabs.show_settings, at=tabs.SETTINGS)
 async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
-    """Set from when the assignment is available, deadline, grace period, submission limit and weight. An
-    empty field means no limit, and the weight 1.
+    """Publish the assignment or make it a draft; set from when it is available, deadline, grace period,
+    submission limit and weight. An empty field means no limit, and the weight 1.
     """
+    stored = await gradebook.rules(database, assignment.slug)
     grace = forms.number(form, "grace", 0, MOST_GRACE_MIN, 0.0)
     most = forms.number(form, "most", 1, MOST_ALLOWED, None)
     weight = forms.number(form, "weight", 0, MOST_WEIGHT, None)
     settings = {
-        "available_from": _datetime(form, "available_from"),
-        "due_at": _datetime(form, "due"),
+        "available_from": form_times.moment(form, "available_from"),
+        "due_at": form_times.deadline(form, "due", stored.due_at),
         "grace_s": 60.0 * grace,
         "submission_limit": None if most is None else int(most),
         "weight": 1.0 if weight is None else weight,
     }
+    if published := forms.field(form, "published"):
+        settings["published"] = published == "yes"
     await assignment_settings.change(database, assignment.slug, settings, person.name)
     return RedirectResponse(f"/assignments/{assignment.slug}/class/settings", 303)
 
@@ -70,7 +71,7 @@ async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, 
 @post_form(router, "/assignments/{slug}/extensions", page=tabs.show_settings, at=tabs.SETTINGS)
 async def extend(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Give one person a new deadline with a reason. An empty deadline removes the extension."""
-    slug, due, reason = assignment.slug, _datetime(form, "due"), forms.field(form, "reason")
+    slug, due, reason = assignment.slug, form_times.moment(form, "due"), forms.field(form, "reason")
     name = await _login_name(database, slug, forms.field(form, "name"))
     if due is None:
         if not await deadlines.remove_extension(database, slug, name, person.name):
@@ -110,21 +111,3 @@ async def _login_name(database: Db, slug: str, name: str) -> str:
             "/name",
         )
     return found[0] if found else name
-
-
-def _datetime(form: FormData, name: str) -> datetime | None:
-    """Return a datetime-local field, read in the course's time zone, in UTC; None if empty. Raises Problem
-    422 if it is invalid.
-    """
-    if not (text := forms.field(form, name, 40)):
-        return None
-    with suppress(ValueError):
-        at = datetime.fromisoformat(text)
-        if at.year in YEARS:
-            return at.replace(tzinfo=ZONE.get()).astimezone(UTC) if at.tzinfo is None else at
-    raise Problem(
-        422,
-        "invalid-request",
-        f"expected a date and time such as 2026-12-01T12:00, got {text[:40]!r}",
-        f"/{name}",
-    )

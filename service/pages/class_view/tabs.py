@@ -19,7 +19,7 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages.class_view import charts, statistics
 from service.store.course import deadlines, gradebook, outcomes
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 
 router = APIRouter()
 SETTINGS, SUBMISSIONS = "/assignments/{slug}/class/settings", "/assignments/{slug}/class/submissions"
@@ -52,7 +52,7 @@ async def overview(request: Request, person: Staff, assignment: Assigned, databa
         causes=await outcomes.by_cause(database, gradebook.graded(students)),
         submission_counts=statistics.submission_counts(students),
         extensions=await deadlines.extensions(database, slug),
-        swept=await sweeps.count(database, students) if assignment.sweep is not None else None,
+        swept=await speed_vs_accuracy.count(database, students) if assignment.sweep is not None else None,
     )
 
 

@@ -31,7 +31,7 @@ from service.http.templating import templates
 from service.pages.submission import report_summary
 from service.pages.submission.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
 from service.store.course import comments, gradebook, overrides, regrade_requests
-from service.store.submissions import records, sweeps
+from service.store.submissions import records, speed_vs_accuracy
 from service.store.submissions.past_submissions import gradings, previous, timeline
 from service.store.submissions.records import SubmissionRecord
 
@@ -58,8 +58,11 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
         students = await gradebook.students(database, stored.assignment)
         context["neighbours"] = gradebook.beside(students, stored.person)
     if context["sweeps"]:
-        how, told = await sweeps.ending(database, stored.grading) or ("", "")
-        context["sweep"] = {"how": how, "told": json.loads(told)["line"] if how == sweeps.SWEPT else told}
+        how, told = await speed_vs_accuracy.ending(database, stored.grading) or ("", "")
+        context["sweep"] = {
+            "how": how,
+            "told": json.loads(told)["line"] if how == speed_vs_accuracy.SWEPT else told,
+        }
     given = {} if stored.withheld else await _overrides_context(database, stored)
     return templates.TemplateResponse(request, "report.html", context | given)
 

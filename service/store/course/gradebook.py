@@ -113,12 +113,13 @@ FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.pers
     LEFT JOIN best ON best.person_id = p.id
     LEFT JOIN history ON history.person_id = p.id
 WHERE c.slug = %(course)s AND m.role = 'student' AND {IS_PERSON}
-ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
+ORDER BY p.sort_key, p.name
 """
 
 _OVERVIEW = f"""
 SELECT x.slug, {", ".join(f"x.{name}" for name in assignment_settings.NAMES)},
-    x.scores_released_at, x.details_released_at, coalesce(x.available_from <= now(), true) AS available,
+    x.scores_released_at, x.details_released_at,
+    x.published AND coalesce(x.available_from <= now(), true) AS available,
     coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions,
     coalesce(sent.open, 0) AS open,

@@ -73,7 +73,8 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
         WHERE %(detailed)s AND o.submission_id = b.id AND o.check_id IS NOT NULL
         AND o.withdrawn_at IS NULL) overridden ON true
 WHERE c.slug = %(course)s AND (m.role = 'student' AND CAST(%(person)s AS text) IS NULL OR p.name = %(person)s)
-    AND coalesce(x.slug = CAST(%(slug)s AS text), true) AND {IS_PERSON} ORDER BY x.slug, p.name
+    AND coalesce(x.slug = CAST(%(slug)s AS text), x.published) AND {IS_PERSON}
+ORDER BY x.slug, p.sort_key, p.name
 """
 
 _SUBMISSIONS = f"""
@@ -99,16 +100,10 @@ FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON
 WHERE x.slug = %(slug)s ORDER BY o.given_at, o.id
 """
 
-_ROSTER = f"""
-SELECT p.name, m.role, p.full_name, p.email, p.student_id FROM person p JOIN member m ON m.person_id = p.id
-    JOIN course c ON c.id = m.course_id
-WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.name
-"""
-
 
 async def grades(database: Database, slug: str | None = None, person: str | None = None) -> list[GradeRow]:
-    """Return a row per student, or of one person: of one assignment with check states, or of all assignments
-    without.
+    """Return a row per student, or of one person: of one assignment with check states, or of all published
+    assignments without.
     """
     values = {"slug": slug, "person": person, "course": COURSE, "detailed": slug is not None}
     most = {slug: assignment.max_points() for slug, assignment in assignments().items()}
@@ -134,11 +129,6 @@ async def trail(database: Database) -> AsyncIterator[Sequence[Row]]:
 async def overrides(database: Database, slug: str) -> Sequence[Row]:
     """Return all overrides of an assignment, oldest first, including withdrawn ones."""
     return await database.rows(_OVERRIDES, {"slug": slug})
-
-
-async def roster(database: Database) -> Sequence[Row]:
-    """Return the people of the course with their roles, by name."""
-    return await database.rows(_ROSTER, {"course": COURSE})
 
 
 def _row(found: Row, most: int | None) -> GradeRow:

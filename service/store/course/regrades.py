@@ -262,7 +262,7 @@ SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS pe
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN {_BEFORE}
     LEFT JOIN {points("before", "was.grading", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}
-WHERE a.regrade_id = %(id)s ORDER BY p.name, s.submitted_at
+WHERE a.regrade_id = %(id)s ORDER BY p.sort_key, p.name, s.submitted_at
 """
 
 _FLIPS = f"""

@@ -4,11 +4,12 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from uuid import UUID
 
-from service.store.database import Connection, Database, Row
+from service.store.database import Connection, Database, Queries, Row
+from service.store.people.sort_keys import fold, sort_key
 
 COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
-ROSTER = ("name", "role", "full_name", "email", "student_id")
+ROSTER = ("name", "role", "full_name", "email", "student_id", "section")
 LONGEST_NAME = 200
 # Every database has the person "local", which has no submissions, and is not listed, where people log in.
 # Its condition does not depend on ``p``, so PostgreSQL evaluates it once rather than per person.
@@ -34,7 +35,7 @@ def normalize_name(name: str) -> str:
 async def add_person(connection: Connection, name: str) -> UUID:
     """Return the id of the person of that name; an unknown person is added as a student."""
     for statement in _ENTER_ALL, _MEMBERS:
-        await connection.execute(statement, {"name": [name], "course": COURSE})
+        await connection.execute(statement, {"name": [name], "sort_key": [sort_key(name)], "course": COURSE})
     id: UUID = (await connection.one("SELECT id FROM person WHERE name = %(name)s", {"name": name}))[0]
     return id
 
@@ -45,21 +46,28 @@ async def is_member(connection: Connection, name: str) -> bool:
 
 
 async def enroll(connection: Connection, roster: Iterable[Sequence[str | None]]) -> None:
-    """Add or update people, each given as (name, role, full name, email, student id).
+    """Add or update people, each given as (name, role, full name, email, student id, section, surname).
 
     All but the name may be missing or None: known people keep these fields, and new people become students.
+    The surname only decides where lists show the person; without it, it is taken from the full name.
     """
-    entries = sorted([*about, None, None, None, None][:5] for about in ([*entry] for entry in roster))
-    columns = dict(zip(ROSTER, zip(*entries, strict=True), strict=False))
-    values = {name: list(column) for name, column in columns.items()} | {"course": COURSE}
+    columns = (*ROSTER, "surname")
+    entries = sorted([*entry, *[None] * len(columns)][: len(columns)] for entry in roster)
+    values = {column: [entry[k] for entry in entries] for k, column in enumerate(columns)}
+    values["sort_key"] = [sort_key(entry[0] or "", entry[2], entry[6]) for entry in entries]
     for statement in (_ENTER_ALL, _MEMBERS, _ROLES, _ABOUT) if entries else ():
-        await connection.execute(statement, values)
+        await connection.execute(statement, values | {"course": COURSE})
 
 
 async def role(database: Database, name: str) -> str:
     """Return the person's role, which is "student" for an unknown person."""
     row = await database.first(_ROLE_OF, {"name": name, "course": COURSE})
     return "student" if row is None else str(row.role)
+
+
+async def members(queries: Queries) -> Sequence[Row]:
+    """Return the columns of ROSTER of all people of the course, in the order of lists."""
+    return await queries.rows(_MEMBERS_ABOUT, {"course": COURSE})
 
 
 async def everybody(database: Database) -> Sequence[Row]:
@@ -80,18 +88,12 @@ async def neighbours(database: Database, name: str) -> Row | None:
 
 
 async def search(database: Database, text: str, most: int) -> Sequence[Row]:
-    """Return at most ``most`` people of the course whose name, full name, email address or student id
-    contains ``text``, apart from case and accents.
+    """Return at most ``most`` people of the course whose name, full name, email address, student id or
+    section contains ``text``, apart from case and accents.
     """
-    wanted = _plain(text)  # compared here, as the database of some locales knows no case but that of ASCII
-    names = [
-        row.name for row in await database.rows(_TEXTS, {"course": COURSE}) if wanted in _plain(row.text)
-    ]
+    wanted = fold(text)  # compared here, as the database of some locales knows no case but that of ASCII
+    names = [row.name for row in await database.rows(_TEXTS, {"course": COURSE}) if wanted in fold(row.text)]
     return await database.rows(_SEARCH, {"course": COURSE, "names": names, "most": most})
-
-
-def _plain(text: str) -> str:
-    return "".join(c for c in unicodedata.normalize("NFKD", text.casefold()) if not unicodedata.combining(c))
 
 
 async def secret(database: Database, name: str) -> bytes:
@@ -101,7 +103,10 @@ async def secret(database: Database, name: str) -> bytes:
     ).encode()
 
 
-_ENTER_ALL = "INSERT INTO person (name) SELECT unnest(CAST(%(name)s AS text[])) ON CONFLICT DO NOTHING"
+_ENTER_ALL = """
+INSERT INTO person (name, sort_key)
+SELECT * FROM unnest(CAST(%(name)s AS text[]), CAST(%(sort_key)s AS text[])) ON CONFLICT DO NOTHING
+"""
 _MEMBERS = """
 INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FROM course c, person p
 WHERE c.slug = %(course)s AND p.name = ANY(CAST(%(name)s AS text[])) ON CONFLICT DO NOTHING
@@ -115,18 +120,24 @@ WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = %(course)s AND entr
 _ABOUT = """
 UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name),
     email = coalesce(entry.email, p.email),
-    student_id = coalesce(entry.student_id, p.student_id)
+    student_id = coalesce(entry.student_id, p.student_id),
+    section = coalesce(entry.section, p.section),
+    sort_key = CASE WHEN entry.surname IS NOT NULL OR entry.full_name <> p.full_name THEN entry.sort_key
+        ELSE p.sort_key END
 FROM unnest(CAST(%(name)s AS text[]), CAST(%(full_name)s AS text[]), CAST(%(email)s AS text[]),
-    CAST(%(student_id)s AS text[]))
-    AS entry (name, full_name, email, student_id)
-WHERE p.name = entry.name AND coalesce(entry.full_name, entry.email, entry.student_id) IS NOT NULL
+    CAST(%(student_id)s AS text[]), CAST(%(section)s AS text[]), CAST(%(surname)s AS text[]),
+    CAST(%(sort_key)s AS text[]))
+    AS entry (name, full_name, email, student_id, section, surname, sort_key)
+WHERE p.name = entry.name
+    AND coalesce(entry.full_name, entry.email, entry.student_id, entry.section) IS NOT NULL
 """
 _ROLE_OF = """
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
 WHERE p.name = %(name)s AND c.slug = %(course)s
 """
 _PEOPLE = """
-SELECT p.name, p.full_name, p.email, p.student_id, m.role, coalesce(sent.n, 0) AS submissions, sent.last,
+SELECT p.name, p.full_name, p.email, p.student_id, p.section, m.role,
+    coalesce(sent.n, 0) AS submissions, sent.last,
     p.password IS NOT NULL AS password, coalesce(given.n, 0) AS tokens
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
     LEFT JOIN LATERAL (SELECT count(*) AS n, max(submitted_at) AS last FROM submission s
@@ -137,12 +148,17 @@ FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.pers
     ) given ON true
 WHERE c.slug = %(course)s
 """
+_MEMBERS_ABOUT = f"""
+SELECT {", ".join(f"{'m' if column == 'role' else 'p'}.{column}" for column in ROSTER)}
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+WHERE c.slug = %(course)s AND {IS_PERSON} ORDER BY p.sort_key, p.name
+"""
 _BY_ROLE = """ORDER BY array_position(ARRAY['instructor', 'assistant', 'student', 'former'], m.role),
-    lower(coalesce(nullif(p.full_name, ''), p.name)), p.name"""
+    p.sort_key, p.name"""
 _EVERYBODY = f"{_PEOPLE} AND {IS_PERSON} {_BY_ROLE}"
 _FIND = f"{_PEOPLE} AND p.name = %(name)s"
 _TEXTS = """
-SELECT p.name, concat_ws(chr(10), p.name, p.full_name, p.email, p.student_id) AS text
+SELECT p.name, concat_ws(chr(10), p.name, p.full_name, p.email, p.student_id, p.section) AS text
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
 WHERE c.slug = %(course)s
 """
@@ -155,7 +171,7 @@ WITH class AS (
     SELECT p.name, lag(p.name) OVER place AS before, lead(p.name) OVER place AS after
     FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
     WHERE c.slug = %(course)s AND m.role = 'student' AND {IS_PERSON}
-    WINDOW place AS (ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name)
+    WINDOW place AS (ORDER BY p.sort_key, p.name)
 )
 SELECT before, after FROM class WHERE name = %(name)s
 """

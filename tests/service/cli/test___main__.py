@@ -31,6 +31,7 @@ WRONG = [
         "no exercise 9",
     ),
     (["roster", "--tokens", "t.csv"], {}, "apply to an import: give the file ROSTER.csv too"),
+    (["roster", "--role", "x=student"], {}, "apply to an import: give the file ROSTER.csv too"),
     (["roster", "--days", "9"], {}, "apply to an import: give the file ROSTER.csv too"),
     (["roster", "people.csv", "--days", "9"], {}, "give the file --tokens TOKENS.csv too"),
     (["mutants", "--most", "0"], {}, "expected at least 1"),

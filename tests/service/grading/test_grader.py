@@ -7,7 +7,7 @@ import pytest
 
 from polhode.report.document import document
 from service.grading import grader
-from service.grading.diagnosis.reproduction import LIMITS
+from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering
 from service.grading.grader import Grader, SweepFailed
 from service.grading.submission import Submission

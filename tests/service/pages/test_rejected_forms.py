@@ -72,11 +72,14 @@ def pages(prof, ann, submission, url):
     prof.send(f"{submission}/comments", submission, cell="1", line="1", comment="so")
     prof.send("/person/notes?name=ann", "/person?name=ann", note="ill")
     prof.send(f"{OWN}/release", SETTINGS, scores="manually", details="manually")
+    due = {"published-rigid-body": "yes", "due-rigid-body": "2098-01-01T00:00"}
+    prof.send("/setup/assignments", "/setup", **due)
     prof.send(f"{OWN}/extensions", SETTINGS, name="ann", due="2099-01-01T00:00", reason="ill")
     prof.send(f"/queue/{grading}/cancel", "/queue")
     assert prof.send(f"{OWN}/regrades", f"{OWN}/regrades", which="all")[0] == 200
     return [
-        "/account", "/people", "/person?name=ann", "/settings", "/queue", SETTINGS, f"{OWN}/class",
+        "/", "/account", "/people", "/people/add", "/person?name=ann", "/settings", "/setup", "/extensions",
+        "/queue", SETTINGS, f"{OWN}/class",
         f"{OWN}/class/submissions?check=2-energy&state=fail", f"{OWN}/regrades", f"{OWN}/regrade-requests",
         submission, f"/submissions/{waiting}", f"/submissions/{failed}", prof.at,
     ]  # fmt: skip
@@ -106,7 +109,10 @@ def test_every_form_is_shown_again_on_its_page(prof, pages):
             tried.add(re.sub(r"[0-9a-f-]{36}", "ID", action.partition("?")[0]))
     assert tried >= {
         "/account/password", "/account/revoke", "/account/logout-everywhere", "/people/preview",
-        "/person/notes", "/settings", "/queue/ID/cancel", "/queue/ID/retry", f"{OWN}/rules",
+        "/people/add", "/person/edit", "/person/token", "/person/password", "/person/view",
+        "/person/notes", "/settings", "/setup/course", "/setup/assignments", "/extensions", "/view",
+        "/setup/view",
+        "/queue/ID/cancel", "/queue/ID/retry", f"{OWN}/rules",
         f"{OWN}/extensions", f"{OWN}/release", f"{OWN}/class/submissions", f"{OWN}/regrades",
         f"{OWN}/regrade-requests/ID/answer", f"{OWN}/submissions/ID/regrades", "/submissions/ID/overrides",
         "/submissions/ID/overrides/ID/withdraw", "/submissions/ID/comments",
@@ -151,7 +157,7 @@ def test_areas_lists_and_choices_have_what_was_typed(prof, submission):
     status, page = prof.send(f"{OWN}/regrades", f"{OWN}/regrades", which="check", check="2-none")
     assert status == 422 and Tags(page).chosen("checked") == ["check"]
     status, page = prof.send(f"{OWN}/release", SETTINGS, scores="never", details="deadline")
-    assert status == 422 and Tags(page).chosen("selected") == ["deadline"]
+    assert status == 422 and Tags(page).chosen("selected") == ["yes", "deadline"]
 
 
 def test_a_reason_about_no_field_is_at_the_beginning_of_the_form(prof):

@@ -128,11 +128,11 @@ GRADING = [
     ),
     Breakage(
         "a submission that Gradescope did not deliver is a zero",
-        "service/cli/grading/gradescope_autograder.py",
+        "service/cli/grading/run_in_gradescope.py",
         "if not submission.is_dir():",
         "if submission.is_file():",
         (
-            "tests/service/cli/grading/test_gradescope_autograder.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
+            "tests/service/cli/grading/test_run_in_gradescope.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
         ),
     ),
     Breakage(

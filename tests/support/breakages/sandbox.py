@@ -64,7 +64,7 @@ SANDBOX = [
     Breakage(
         "a sweep that failed is queued again by every request",
         "service/workers/worker.py",
-        "return sweeps.fault(number, _reason(error))",
+        "return speed_vs_accuracy.fault(number, _reason(error))",
         "raise",
         (
             "tests/service/workers/test_worker.py::test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests",
@@ -72,17 +72,17 @@ SANDBOX = [
     ),
     Breakage(
         "a sweep is queued although its result was stored meanwhile",
-        "service/store/submissions/sweeps.py",
+        "service/store/submissions/speed_vs_accuracy.py",
         "if SWEPT not in stored and REFUSED not in stored:",
         "if not faults:",
-        ("tests/service/store/submissions/test_sweeps.py",),
+        ("tests/service/store/submissions/test_speed_vs_accuracy.py",),
     ),
     Breakage(
         "lost runs of a sweep are not counted",
-        "service/store/submissions/sweeps.py",
+        "service/store/submissions/speed_vs_accuracy.py",
         'begun = {f"sweep.run.{number}": b""} if',
         "begun = {} if",
-        ("tests/service/store/submissions/test_sweeps.py",),
+        ("tests/service/store/submissions/test_speed_vs_accuracy.py",),
     ),
     Breakage(
         "a sweep's seconds are believed",
@@ -243,10 +243,10 @@ SANDBOX = [
     ),
     Breakage(
         "an array that no running scene was asked for is believed",
-        "service/sandbox/wire.py",
+        "service/sandbox/guest_frames.py",
         "if self.started is None or self.started in self.result.arrays or",
         "if self.started is None or",
-        ("tests/service/sandbox/test_wire.py",),
+        ("tests/service/sandbox/test_guest_frames.py",),
     ),
     Breakage(
         "a submission that claims an error of the author gets a system fault",
@@ -338,10 +338,10 @@ SANDBOX = [
     ),
     Breakage(
         "an array of another shape than asked for is believed",
-        "service/sandbox/wire.py",
+        "service/sandbox/guest_frames.py",
         "if not within and tuple(shape) != spec.shape:",
         "if not within and len(shape) != len(spec.shape):",
-        ("tests/service/sandbox/test_wire.py",),
+        ("tests/service/sandbox/test_guest_frames.py",),
     ),
     Breakage(
         "a claim of too many numbers is believed",
@@ -378,10 +378,10 @@ SANDBOX = [
     ),
     Breakage(
         "the guest may make up diagnosis codes",
-        "service/sandbox/wire.py",
+        "service/sandbox/guest_frames.py",
         "code if isinstance(code, str) and code in GUEST_CODES else None",
         "code if isinstance(code, str) else None",
-        ("tests/service/sandbox/test_wire.py",),
+        ("tests/service/sandbox/test_guest_frames.py",),
     ),
     Breakage(
         "what a guest sent before it broke the protocol is believed",

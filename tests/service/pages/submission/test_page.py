@@ -21,7 +21,7 @@ from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT
 from service.pages.submission.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference, marks
 from service.store.people import people, tokens
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.artefacts import store_artefacts
 from tests.support.database import run, sql
 from tests.support.reports import outcome, report
@@ -569,7 +569,12 @@ def test_speed_vs_accuracy_is_offered_where_it_can_be_measured(server, ann, url,
     waiting = page(server, ann, measured)
     assert 'data-reload="speed"' in waiting and "Being measured while a worker is idle" in waiting
     grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", measured["id"])[0][0]
-    run(url, lambda database: store_artefacts(database, grading, {sweeps.REFUSED: b"<b> took too long"}))
+    run(
+        url,
+        lambda database: store_artefacts(
+            database, grading, {speed_vs_accuracy.REFUSED: b"<b> took too long"}
+        ),
+    )
     shown = page(server, ann, measured)
     assert "Could not be measured: &lt;b&gt; took too long." in shown and "sweep.svg" not in shown
 

@@ -55,7 +55,7 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
         "Zoe Adams",
     )
     listed = [s.name for s in run(database_url, lambda database: gradebook.students(database, "rigid-body"))]
-    assert listed == ["ann", "zoe"]
+    assert listed == ["zoe", "ann"]  # by surname: Adams, ann
     row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))
     assert (row.submitted, row.students, row.open, row.faults, row.regrades) == (1, 2, 1, 0, 0)
 

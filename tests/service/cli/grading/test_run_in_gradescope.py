@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from service.cli.grading import gradescope_autograder
+from service.cli.grading import run_in_gradescope
 
 ASKED = ["--assignment", "rigid-body", "--exercise", "2"]
 
@@ -14,7 +14,7 @@ ASKED = ["--assignment", "rigid-body", "--exercise", "2"]
 @pytest.fixture
 def home(tmp_path, monkeypatch):
     """Gradescope's folder, with the results of an earlier run."""
-    monkeypatch.setattr(gradescope_autograder, "HOME", tmp_path)
+    monkeypatch.setattr(run_in_gradescope, "HOME", tmp_path)
     for name in ("submission", "results"):
         (tmp_path / name).mkdir()
     (tmp_path / "results" / "results.json").write_text('{"score": 5}')
@@ -27,7 +27,7 @@ def grade(home, files):
         file = home / "submission" / name
         file.parent.mkdir(exist_ok=True)
         file.write_bytes(content)
-    code, written = gradescope_autograder.main(ASKED), home / "results" / "results.json"
+    code, written = run_in_gradescope.main(ASKED), home / "results" / "results.json"
     if not written.exists():
         return code, None
     results = json.loads(written.read_text())
@@ -71,11 +71,11 @@ def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(ho
 
 def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(home):
     (home / "submission").rmdir()
-    assert gradescope_autograder.main(ASKED) == 2 and not (home / "results" / "results.json").exists()
+    assert run_in_gradescope.main(ASKED) == 2 and not (home / "results" / "results.json").exists()
 
 
 def test_the_program_that_reports_a_failed_grading_imports_none_of_its_libraries():
-    program = "import sys; from service.cli.grading import gradescope_autograder; print(*sys.modules)"
+    program = "import sys; from service.cli.grading import run_in_gradescope; print(*sys.modules)"
     imported = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     ).stdout.split()

@@ -12,10 +12,10 @@ from polhode.judging.remarks import MOST_REMARKS
 from polhode.report.document import document
 from service.sandbox.guest.cells.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import pack
+from service.sandbox.guest_frames import ProtocolError, Reader
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import PlayResult
 from service.sandbox.untrusted_text import text
-from service.sandbox.wire import ProtocolError, Reader
 
 SCENE = SceneRequest(
     "s",

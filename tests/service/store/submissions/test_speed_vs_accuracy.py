@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.artefacts import store_artefacts
 from tests.support.database import run, sql
 from tests.support.submissions import submitted
@@ -18,7 +18,7 @@ def grading(database_url):
 
 
 def request(url, grading):
-    return run(url, lambda database: sweeps.request(database, grading))
+    return run(url, lambda database: speed_vs_accuracy.request(database, grading))
 
 
 def store(url, grading, artefacts):
@@ -34,7 +34,7 @@ def queued(url):
 
 def test_requests_at_the_same_time_queue_one_job(database_url, grading):
     async def ask(database):
-        return await asyncio.gather(*(sweeps.request(database, grading) for _ in range(6)))
+        return await asyncio.gather(*(speed_vs_accuracy.request(database, grading) for _ in range(6)))
 
     assert run(database_url, ask) == [None] * 6 and queued(database_url) == 1
 
@@ -47,30 +47,33 @@ def test_a_request_that_comes_after_the_result_queues_nothing(database_url, grad
 
 
 def test_a_failure_of_polhode_is_measured_again_only_by_another_version(database_url, grading, monkeypatch):
-    assert run(database_url, lambda database: sweeps.begin(database, grading)) == 1
-    store(database_url, grading, sweeps.fault(1, "OverflowError: too large"))
+    assert run(database_url, lambda database: speed_vs_accuracy.begin(database, grading)) == 1
+    store(database_url, grading, speed_vs_accuracy.fault(1, "OverflowError: too large"))
     assert request(database_url, grading) == "OverflowError: too large" and queued(database_url) == 0
-    monkeypatch.setattr(sweeps.metadata, "version", lambda name: "99.0")
+    monkeypatch.setattr(speed_vs_accuracy.metadata, "version", lambda name: "99.0")
     assert request(database_url, grading) is None and queued(database_url) == 1
 
 
 def test_lost_runs_are_repeated_up_to_a_limit_whatever_the_version(database_url, grading, monkeypatch):
     begun = [
-        run(database_url, lambda database: sweeps.begin(database, grading))
-        for _ in range(sweeps.MOST_RUNS + 2)
+        run(database_url, lambda database: speed_vs_accuracy.begin(database, grading))
+        for _ in range(speed_vs_accuracy.MOST_RUNS + 2)
     ]
     assert begun == [1, 2, 3, None, None]
     for version in ("present", "99.0"):
         if version != "present":
-            monkeypatch.setattr(sweeps.metadata, "version", lambda name: "99.0")
+            monkeypatch.setattr(speed_vs_accuracy.metadata, "version", lambda name: "99.0")
         assert "3 runs failed or were lost" in request(database_url, grading) and queued(database_url) == 0
 
 
 def test_a_sweep_that_gave_way_is_queued_again_and_does_not_count(database_url, grading):
-    for _ in range(sweeps.MOST_RUNS + 2):
-        number = run(database_url, lambda database: sweeps.begin(database, grading))
+    for _ in range(speed_vs_accuracy.MOST_RUNS + 2):
+        number = run(database_url, lambda database: speed_vs_accuracy.begin(database, grading))
         assert number == 1
-        run(database_url, lambda database, number=number: sweeps.put_back(database, grading, number))
+        run(
+            database_url,
+            lambda database, number=number: speed_vs_accuracy.put_back(database, grading, number),
+        )
         assert sql(database_url, "SELECT priority FROM procrastinate_jobs WHERE task_name = 'sweep'") == [
             (-1000,)
         ]
@@ -79,10 +82,10 @@ def test_a_sweep_that_gave_way_is_queued_again_and_does_not_count(database_url, 
 
 def test_how_a_sweep_ended(database_url, grading):
     def ended():
-        return run(database_url, lambda database: sweeps.ending(database, grading))
+        return run(database_url, lambda database: speed_vs_accuracy.ending(database, grading))
 
     assert ended() is None
-    store(database_url, grading, sweeps.fault(1, "OverflowError: too large"))
-    assert ended() == (sweeps.FAULT, "OverflowError: too large")
-    store(database_url, grading, {sweeps.SWEPT: b"{}"})
-    assert ended() == (sweeps.SWEPT, "{}")
+    store(database_url, grading, speed_vs_accuracy.fault(1, "OverflowError: too large"))
+    assert ended() == (speed_vs_accuracy.FAULT, "OverflowError: too large")
+    store(database_url, grading, {speed_vs_accuracy.SWEPT: b"{}"})
+    assert ended() == (speed_vs_accuracy.SWEPT, "{}")

@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.authoring.assignments.catalogue import find
-from service.grading.diagnosis import reproduction
+from service.grading.diagnosis import matching_variants
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.time_budget import TimeLimits
@@ -14,7 +14,7 @@ WRONG += "    return square.mean(axis=0), square.std(axis=0, ddof=1) / np.sqrt(l
 
 @pytest.fixture
 def walks(monkeypatch):
-    monkeypatch.setattr(reproduction, "_public", type(reproduction._public)())
+    monkeypatch.setattr(matching_variants, "_public", type(matching_variants._public)())
     return find("random-walks")
 
 
@@ -28,19 +28,19 @@ def test_variants_that_need_too_long_diagnose_nothing_and_nothing_of_them_is_kep
     walks, sandbox, monkeypatch
 ):
     with monkeypatch.context() as short:
-        short.setattr(reproduction, "LIMITS", TimeLimits(cpu_s=0.01, wall_s=60.0))
+        short.setattr(matching_variants, "LIMITS", TimeLimits(cpu_s=0.01, wall_s=60.0))
         assert codes(walks, sandbox) == set()
     assert codes(walks, sandbox) == {"missing-term"}
 
 
 def test_all_questions_of_a_grading_share_one_budget(walks, sandbox, monkeypatch):
-    budgets, variants = [], reproduction.play_variants
+    budgets, variants = [], matching_variants.play_variants
 
     def play_variants(job, scene, chosen, sandbox, budget, **limits):
         budgets.append(budget)
         return variants(job, scene, chosen, sandbox, budget, **limits)
 
-    monkeypatch.setattr(reproduction, "play_variants", play_variants)
+    monkeypatch.setattr(matching_variants, "play_variants", play_variants)
     wrong = f"{WRONG}def boltzmann(r, dt, T, eta, a):\n    return r[0], 1.0, 1.0, 1.0\n"
     grade(Submission(wrong), walks, sandbox, 1, ["2", "7"])
     assert len(budgets) > 1 and len(set(map(id, budgets))) == 1

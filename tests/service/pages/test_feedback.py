@@ -51,7 +51,7 @@ def test_a_request_its_answer_and_what_the_student_reads(browsers, page):
     own = ann.open("/assignments/rigid-body")[1]
     assert f'<a href="{page}#regrade-requests">regrade request declined</a>' in own
     assert action not in tutor.open(LIST)[1] and "regrade request<" not in tutor.open("/")[1]
-    assert "regrade request declined" in tutor.open(f"/audit?subject={page.rsplit('/', 1)[1]}")[1]
+    assert "declined the regrade request for" in tutor.open(f"/audit?subject={page.rsplit('/', 1)[1]}")[1]
 
 
 @pytest.mark.parametrize(

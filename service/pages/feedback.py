@@ -16,6 +16,7 @@ from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages import submission
+from service.pages.notebook_text import inline
 from service.pages.regrades import check_labels
 from service.pages.rejected_forms import post_form
 from service.store.course import comments, regrade_requests
@@ -40,7 +41,12 @@ async def list_requests(request: Request, person: Staff, assignment: Assigned, d
     return templates.TemplateResponse(
         request,
         "regrade_requests.html",
-        {"assignment": assignment, "requests": rows, "labels": check_labels(assignment)},
+        {
+            "assignment": assignment,
+            "requests": rows,
+            "labels": check_labels(assignment),
+            "inline": inline,
+        },
     )
 
 

@@ -131,6 +131,14 @@ def test_a_comment_needs_words_and_an_existing_line(browsers, page, fields, mess
     assert status == 422 and message in shown
 
 
+def test_comments_and_answers_have_markdown(browsers, page):
+    ann, tutor = browsers["ann"], browsers["tutor"]
+    tutor.send(f"{page}/comments", page, cell="1", line="1", comment="use `np.cross` <script>")
+    ann.send(f"{page}/regrade-requests", page, reason="**right**")
+    shown = tutor.open(page)[1]
+    assert shown.count("use <code>np.cross</code> &lt;script&gt;") == 2 and "<b>right</b>" in shown
+
+
 def test_a_commented_line_of_a_long_source_is_shown():
     source, far = Submission("x = 1\n" * (MOST_LINES + 500)), MOST_LINES + 100
     assert len(cells(source, {})[0].lines) == MOST_LINES

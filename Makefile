@@ -116,8 +116,10 @@ image-test: .venv/tests  ## build the container image with podman and run it as 
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }
 	@$(CLEAN_ENV) $(BIN)/python -m tests.image
 
-release-check: .venv/release  ## check the docs' pictures, build wheel and sdist in dist, check both, and use the wheel outside the clone with each Python (PYTHONS=...)
+release-check: .venv/release  ## check the docs' pictures, build wheel, sdist and image, and use them outside the clone with each Python (PYTHONS=...)
 	@$(CLEAN_ENV) $(BIN)/python -m tests.support.release $(or $(PYTHONS),$(BIN)/python $(NEWER))
+	@if test "$$(id -u)" = 0; then $(MAKE) --no-print-directory image-test; \
+		else echo "polhode: the image is not built: make image-test does it as root"; fi
 
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)

@@ -17,7 +17,7 @@ from polhode.animation import animate, animation_recording
 from polhode.kinds import play
 from polhode.kinds.animation.body import Body, body_shown, momentum_shown
 from polhode.kinds.motions import as_closely
-from service.grading.jobs import draw_inputs, truth
+from service.grading.sandbox_job import draw_inputs, truth
 
 ASSIGNMENT = find("rigid-body")
 BODIES = int(os.environ.get("BODIES", "700"))

@@ -8,10 +8,10 @@ import statistics
 import time
 
 from exercises.authoring.assignments.catalogue import find
-from service.grading.grader import Grader
+from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 
 RIGID_BODY = find("rigid-body")
 FORMS = (
@@ -38,15 +38,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench.forms", description=__doc__)
     parser.add_argument("--rounds", type=int, default=7, help="gradings of each form (default: 7)")
     rounds = parser.parse_args().rounds
-    grader = Grader(Sandbox(choose()))
-    grader.ready()
+    sandbox = Sandbox(choose())
+    sandbox.self_test()
     wall, cpu = {form: list[float]() for form in FORMS}, {form: list[float]() for form in FORMS}
     for seed in range(rounds + 1):
         for form in FORMS:
             source = (RIGID_BODY.folder / "samples" / f"right_{form}.py").read_bytes()
             submission = Submission.from_bytes(source, "submission.py")
             began = time.perf_counter()
-            graded = grader.grade(submission, RIGID_BODY, seed, ["2"])
+            graded = grade(submission, RIGID_BODY, sandbox, seed, ["2"])
             took = time.perf_counter() - began
             assert graded.report.passed, f"{form}: {graded.report.text()}"
             if seed:  # the first round warms up
@@ -60,7 +60,7 @@ def main() -> None:
         f"fifteen forms: median {1e3 * statistics.median(found):.1f} ms, best {1e3 * min(found):.1f},"
         f" worst {1e3 * max(found):.1f}"
     )
-    grader.sandbox.close()
+    sandbox.close()
 
 
 if __name__ == "__main__":

@@ -12,10 +12,10 @@ import time
 
 from exercises.authoring.assignments.catalogue import find
 from service.grading.figures.rendering import pack
-from service.grading.grader import Grader
+from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 
 RIGID_BODY = find("rigid-body")
 FILE = RIGID_BODY.folder / "samples" / "right_course_notebook.ipynb"
@@ -24,16 +24,16 @@ TIMES = 5
 
 def main() -> None:
     """Measure and print one line per measurement. Grading and executing alternate."""
-    grader = Grader(Sandbox(choose()))
-    grader.ready()
+    sandbox = Sandbox(choose())
+    sandbox.self_test()
     graded, plain, shown = [], [], []
     with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
         for seed in range(TIMES):
-            graded.append(_grade(grader, seed))
+            graded.append(_grade(sandbox, seed))
             once, display = pool.apply(executed)
             plain.append(once)
             shown.append(once + display)
-    grader.sandbox.close()
+    sandbox.close()
     ours, once, displayed = map(statistics.median, (graded, plain, shown))
     print(f"\n{FILE.name}, CPU time, load {os.getloadavg()[0]:.1f}")
     print(f"{'grading, warm, with figures':44} {1e3 * ours:8.0f} ms")
@@ -47,9 +47,9 @@ def main() -> None:
     )
 
 
-def _grade(grader: Grader, seed: int) -> float:
+def _grade(sandbox: Sandbox, seed: int) -> float:
     began = time.process_time()
-    graded = grader.grade(Submission.from_bytes(FILE.read_bytes(), FILE.name), RIGID_BODY, seed)
+    graded = grade(Submission.from_bytes(FILE.read_bytes(), FILE.name), RIGID_BODY, sandbox, seed)
     pack(graded)
     if not graded.report.passed:
         raise RuntimeError(f"{FILE.name} does not pass")

@@ -23,8 +23,8 @@ import psycopg
 from service.cli.server.demo import free_port
 from service.grading.grader import Grader
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.store.postgres.server import running_url
 
 PATH = "/v1/assignments/rigid-body/submissions"

@@ -15,14 +15,14 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from exercises.authoring.assignments.catalogue import find
-from service.grading.jobs import draw_inputs, job_of
+from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
 from service.sandbox import session
 from service.sandbox.guest.wire import CLOCK_FACTOR
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
+from service.sandbox.isolation.select import choose
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 
 RIGHT = """
 def euler_eqs(t, w, I):

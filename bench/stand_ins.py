@@ -16,9 +16,9 @@ from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.grader import SweepFailed
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.result import Cancelled
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.settings import Settings
 from service.workers import pool
 from service.workers.worker import Worker

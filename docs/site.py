@@ -91,7 +91,7 @@ KIT = (
     " function."
 )
 KIT_MODULES = (
-    *(f"client/{name}" for name in ("local", "remote", "past_submissions", "identity", "course")),
+    *(f"client/{name}" for name in ("local", "remote", "past_submissions", "login", "course")),
     *(f"judging/{name}" for name in ("checks", "claims")),
     "report/figure_parts",
     "animation/animate",

@@ -19,10 +19,12 @@ from service.api import (
     feedback,
     figures,
     health,
-    history,
     kit,
     parse_submission,
     submissions,
+)
+from service.api import (
+    past_submissions as history,
 )
 from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
@@ -36,21 +38,24 @@ from service.http.templating import ENVIRONMENT
 from service.pages import (
     account,
     api_reference,
-    class_tabs,
     course,
     course_settings,
-    gradebook,
+    edit_person,
+    extensions,
+    first_run,
     login,
-    overrides,
     people,
     queue,
     regrades,
     roster,
+    setup,
     speed_vs_accuracy,
-    submission,
+    view_as,
 )
-from service.pages import feedback as feedback_pages
+from service.pages.class_view import gradebook, tabs
 from service.pages.rejected_forms import form_state
+from service.pages.submission import feedback as feedback_pages
+from service.pages.submission import overrides, page
 from service.settings import Settings
 from service.store.database import Database
 from service.store.people.people import secret
@@ -71,10 +76,15 @@ ROUTERS = (
 )
 PAGES = (
     course.router,
+    first_run.router,
+    setup.router,
+    view_as.router,
     people.router,
+    edit_person.router,
+    extensions.router,
     roster.router,
     course_settings.router,
-    class_tabs.router,
+    tabs.router,
     gradebook.router,
     exports.router,
     queue.router,
@@ -82,7 +92,7 @@ PAGES = (
     overrides.router,
     feedback_pages.router,
     speed_vs_accuracy.router,
-    submission.router,
+    page.router,
     login.router,
     account.router,
     oidc.router,

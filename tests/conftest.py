@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from exercises.authoring.assignments.catalogue import find
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.store.postgres.server import EmbeddedPostgres
 from service.store.queue.workers import LEASE_S
 from service.store.schema import migrate
@@ -170,6 +170,8 @@ def postgres(tmp_path_factory, left_connections):
         sql(running.url, f"ALTER SYSTEM SET {setting} = off")
     sql(running.url, "SELECT pg_reload_conf()")
     migrate(running.url)
+    # tests are of assignments that students see, but for those of drafts
+    sql(running.url, "ALTER TABLE assignment ALTER COLUMN published SET DEFAULT true")
     time.sleep(max(0.0, up_for_a_lease - time.monotonic()))
     left_connections[running.url] = set()
     yield running

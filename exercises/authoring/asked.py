@@ -285,7 +285,7 @@ class Asked(AskedSolution):
             asked = case.inputs(parameters, self.defaults)
             truth = of_expression(case.call, self.solution_name, truth, asked)
         offered: dict[str, Any] = {
-            "ask": case.inputs(parameters, self.defaults),
+            "inputs": case.inputs(parameters, self.defaults),
             "agree": self._agreement(label, case.agree),
             "truth": truth,
             "motion": self.closed_form,
@@ -310,6 +310,7 @@ class Asked(AskedSolution):
             scale=self.unit,
             together=self.together,
             role=self.role,
+            partial=self.partial and self.values is not None,
         )
 
     def _agreement(self, label: str, own: Tolerance | Value | None) -> Value | dict[str, Value] | None:
@@ -319,7 +320,7 @@ class Asked(AskedSolution):
         if self.values is None:
             return None
         if own is not None:
-            value = labelled(own, label, self.partial)
+            value = labelled(own, label)
             return {self.values[0]: value} if self.values else value
         if missing := [name for name in self.values or ("value",) if name not in self.tolerances]:
             what = ", ".join(missing) if self.values else self.solution_name
@@ -328,16 +329,14 @@ class Asked(AskedSolution):
                 self.line,
             )
         if not self.values:
-            return labelled(self.tolerances["value"], label, self.partial)
-        return {
-            name: labelled(self.tolerances[name], f"{label}: {name}", self.partial) for name in self.values
-        }
+            return labelled(self.tolerances["value"], label)
+        return {name: labelled(self.tolerances[name], f"{label}: {name}") for name in self.values}
 
 
-def labelled(value: Tolerance | Value, label: str, partial: bool) -> Value:
+def labelled(value: Tolerance | Value, label: str) -> Value:
     """Return a tolerance with the label of its check, unless it has one."""
     one = value if isinstance(value, Value) else Value(value)
-    return replace(one, label=one.label or label, partial=one.partial or partial)
+    return replace(one, label=one.label or label)
 
 
 def for_each(truth: Function, name: str) -> Function:

@@ -59,6 +59,11 @@ class AskedCell(AskedSolution):
     def questions(self, uses: Sequence[NotebookSolution]) -> list[Question]:
         """Return the question for the variables; ``uses`` are the earlier solutions that the cell calls."""
         compared = {name: self.tolerances[name] for name in self.names if name in self.tolerances}
+        claimed = {name for claim in self.claims for name in claim.names()}
+        if missing := [name for name in self.names if name not in {*compared, *claimed}]:
+            raise DeclarationError(
+                f"{', '.join(missing)} has no truth and no claim: give one, or do not ask for it", self.line
+            )
         question = variables(
             self.solution, dict(self.truths), agree=compared, claims=list(self.claims), uses=list(uses)
         )

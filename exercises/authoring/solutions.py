@@ -15,10 +15,14 @@ from typing import Any
 
 from exercises.authoring.questions import author_notebook
 from exercises.authoring.questions.author_notebook import Cell
-from polhode.notebook.cells import DEFINITION, Statement, statements_of
+from polhode.notebook.cell_source import DEFINITION, Statement, statements_of
 
 _WORKING_FOLDER = threading.RLock()
 """Held while a Setup runs: a process has one working folder."""
+
+
+IN_JUPYTER: Mapping[str, Any] = {"display": lambda *shown, **named: None, "get_ipython": lambda: None}
+"""The names that Jupyter adds, which a Setup may use: here they do nothing."""
 
 
 class NoSolution(LookupError):
@@ -100,7 +104,7 @@ class Solutions:
 
         A package that is not installed here, such as the course's, is left out with what needs it at once.
         """
-        found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}"}
+        found: dict[str, Any] = {"__name__": f"solutions of {self.folder.name}", **IN_JUPYTER}
         absent = set[str]()
         # what the Setup prints is not for the output of a command
         with _WORKING_FOLDER, contextlib.chdir(self.folder), contextlib.redirect_stdout(io.StringIO()):

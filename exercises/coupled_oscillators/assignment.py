@@ -121,7 +121,9 @@ def modes(ask):
     normal_modes.case("", four_masses)
 
     def of_the_first_N(normal_modes, m, K, N):
-        """Both values for the first N masses, with zeros beyond them."""
+        """Both values for the first N masses. Zeros fill them up to the size for eight masses, as the answer
+        to every input has one shape.
+        """
         return [np.pad(value, (0, 8 - N)) for value in normal_modes(m[:N], K[:N, :N])]
 
     normal_modes.case("2 to 8 masses", up_to_eight_masses, call=of_the_first_N)
@@ -257,7 +259,9 @@ def sum_of_modes(ask):
     motion.case("", four_masses)
 
     def of_the_first_N(motion, t, m, K, x0, v0, N):
-        """The motion of the first N masses, with zeros beyond them."""
+        """The motion of the first N masses. Rows of zeros fill it up to eight rows, as the answer to every
+        input has one shape.
+        """
         return np.pad(motion(t, m[:N], K[:N, :N], x0[:N], v0[:N]), ((0, 8 - N), (0, 0)))
 
     motion.case("2 to 8 masses", up_to_eight_masses, call=of_the_first_N)

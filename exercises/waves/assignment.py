@@ -557,7 +557,9 @@ def spectrum_and_modes(ask):
     modes.case("", string_of_20)
 
     def of_three_strings(modes, u, N):
-        """The amplitudes of strings of 2, N and 203 - N intervals, with zeros beyond them."""
+        """The amplitudes of strings of 2, N and 203 - N intervals, a row each. Zeros fill each row up to 199
+        numbers, as rows have one length, and the answer to every input has one shape.
+        """
         found = []
         for n in (2, N, 203 - N):
             found.append(np.pad(modes(np.pad(u[1:n], 1)), (0, 200 - n)))
@@ -579,7 +581,9 @@ def spectrum_and_modes(ask):
     spectrum.case("", samples)
 
     def of_three_lengths(spectrum, x, dt, N):
-        """Both values for 2, N and 203 - N samples, with zeros beyond them."""
+        """Both values for 2, N and 203 - N samples, a row each. Zeros fill each row up to 101 numbers, as
+        rows have one length, and the answer to every input has one shape.
+        """
         frequencies, amplitudes = [], []
         for n in (2, N, 203 - N):
             of_n = spectrum(x[: n // 2 * 2], dt)

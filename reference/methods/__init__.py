@@ -6,7 +6,7 @@ because otherwise a chart of CPU time would measure the interpreter; ``import re
 package.
 """
 
-from reference.method import Method, Run, Scene
+from reference.methods.method import Method, Run, Scene
 from reference.methods.moser_veselov import MOSER_VESELOV
 from reference.methods.runge_kutta import RUNGE_KUTTA
 from reference.methods.splitting import SPLITTING

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.integrate._ivp import dop853_coefficients as dop853
 
 from reference.euler import attitude_rate, euler_rhs
-from reference.method import Method, Run, Scene
+from reference.methods.method import Method, Run, Scene
 from reference.methods.states import MATRIX, Array, rates, run_of, start
 
 EULER = (np.zeros((1, 1)), np.array([1.0]))

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-from reference.method import Method, Run, Scene
+from reference.methods.method import Method, Run, Scene
 from reference.methods.runge_kutta import STEPS
 from reference.methods.states import QUATERNION, Array, run_of, start
 

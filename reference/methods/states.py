@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reference.exact import matrices
 from reference.heavy_top import attitude
-from reference.method import Run, Scene
+from reference.methods.method import Run, Scene
 
 Array = NDArray[np.float64]
 MATRIX, QUATERNION, ANGLES = 0, 1, 2

@@ -11,12 +11,12 @@ from service.api.figure_renderer import Renderer, RenderFailed
 from service.api.submissions import Submission, find_assignment, report_of
 from service.grading.figures.rendering import FORMATS
 from service.grading.figures.rendering import find as find_figure
-from service.grading.result import ARRAYS
+from service.grading.graded_file import ARRAYS
 from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems
 from service.http.state import Db, Held
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.artefacts import find_artefact, store_artefacts
 from service.store.submissions.records import SubmissionRecord
 
@@ -105,11 +105,11 @@ async def speed_against_accuracy(
     async for _ in listener.wait_for_changes(str(stored.id), SWEEP_WAIT_S):
         if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
-        if failure := await find_artefact(database, stored.grading, sweeps.REFUSED):
+        if failure := await find_artefact(database, stored.grading, speed_vs_accuracy.REFUSED):
             raise Problem(
                 404, "not-found", f"the speed vs accuracy measurement failed: {failure[0].decode()}"
             )
-        if fault := await sweeps.request(database, stored.grading):
+        if fault := await speed_vs_accuracy.request(database, stored.grading):
             raise Problem(
                 409,
                 "not-ready",

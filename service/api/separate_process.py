@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 
 T = TypeVar("T")
 

@@ -24,7 +24,7 @@ from service.grading.submission import (
     check_filename,
     upload_too_large,
 )
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 
 FORM, JSON = "multipart/form-data", "application/json"
 MEMORY = 50  # times the largest upload; "[]," repeated takes 25 times its length

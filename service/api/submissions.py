@@ -22,11 +22,11 @@ from polhode.report.report import Report
 from service.api import answers, parse_submission
 from service.api.health import WorkerStatus
 from service.api.release import NOT_RELEASED, visible
-from service.auth.identity import STAFF, Person, Reader, Submitter
+from service.auth.identity import STAFF, Person, Reader, Submitter, Visitor
 from service.auth.roles import OptionalUser
 from service.formats import junit
 from service.formats.grade_row import whole
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
@@ -65,7 +65,11 @@ async def find_assignment(slug: str) -> Assignment:
             retry_after=60,
         ) from None
     except NoAssignment:
-        raise Problem(404, "not-found", f"no assignment {slug[:80]}: check the address") from None
+        raise Problem(404, "not-found", _no_assignment(slug)) from None
+
+
+def _no_assignment(slug: str) -> str:
+    return f"no assignment {slug[:80]}: check the address"
 
 
 async def _submission(id: str, person: Reader, database: Db) -> SubmissionRecord:
@@ -85,13 +89,19 @@ Assigned = Annotated[Assignment, Depends(find_assignment)]
 
 
 async def _find_available(assignment: Assigned, person: OptionalUser, database: Db) -> Assignment:
-    """Return the assignment. Raises Problem 403 for anybody but the course staff before it is available."""
-    if person is None or person.role not in STAFF:
-        opens = (await assignment_settings.opening(database)).get(assignment.slug)
-        if opens is not None:
-            at = f"{opens.astimezone(ZONE.get()):%Y-%m-%d %H:%M} {ZONE.get()}"
-            raise Problem(403, "not-available", f"{assignment.title} is available from {at}: come back then")
-    return assignment
+    """Return the assignment. For anybody but the course staff, raises Problem 404 if it is a draft, and 403
+    before it is available.
+    """
+    if person is not None and person.role in STAFF:
+        return assignment
+    closed = await assignment_settings.unavailable(database)
+    if assignment.slug not in closed:
+        return assignment
+    opens = closed[assignment.slug]
+    if opens is None:
+        raise Problem(404, "not-found", _no_assignment(assignment.slug))
+    at = f"{opens.astimezone(ZONE.get()):%Y-%m-%d %H:%M} {ZONE.get()}"
+    raise Problem(403, "not-available", f"{assignment.title} is available from {at}: come back then")
 
 
 Available = Annotated[Assignment, Depends(_find_available)]
@@ -100,12 +110,17 @@ Submission = Annotated[SubmissionRecord, Depends(_submission)]
 
 
 @catalogue.get("/v1/assignments", responses=problems({}))
-async def list_assignments(database: Db) -> list[answers.Named]:
-    """Return slug, title and version of every assignment, and ``available_from`` if that is still to come."""
-    opens = await assignment_settings.opening(database)
+async def list_assignments(visitor: Visitor, database: Db) -> list[answers.Named]:
+    """Return slug, title and version of every assignment, and ``available_from`` if that is still to come.
+
+    Only the course staff gets drafts.
+    """
+    staff = isinstance(visitor, Person) and visitor.role in STAFF
+    closed = await assignment_settings.unavailable(database)
     return [
-        answers.Named(slug=a.slug, title=a.title, version=a.version, available_from=opens.get(a.slug))
+        answers.Named(slug=a.slug, title=a.title, version=a.version, available_from=closed.get(a.slug))
         for a in assignments().values()
+        if staff or closed.get(a.slug, True) is not None
     ]
 
 

@@ -17,6 +17,7 @@ from service.http.requests import read_capped
 Default = TypeVar("Default", float, None)
 FIELD = "csrf"
 MOST_FORM = 2 * 1024 * 1024
+MOST_FIELDS = 1000  # three for each of 300 assignments
 STALE = "this form has expired: reload the page and submit it again (cookies must be allowed)"
 SameOrigin = Annotated[None, Depends(same_origin)]
 
@@ -48,7 +49,7 @@ async def checked_public_form(
     """
     await read_capped(request, MOST_FORM, f"the form is larger than {MOST_FORM} bytes: send less")
     try:
-        form = await request.form(max_files=1, max_fields=200)
+        form = await request.form(max_files=1, max_fields=MOST_FIELDS)
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be parsed: {error}") from error
     request.state.form = form  # to show what was typed again

@@ -4,7 +4,7 @@ single-user mode.
 
 import contextlib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 from uuid import UUID
 
@@ -19,7 +19,7 @@ from service.http.requests import PublicAddress, is_own_host
 from service.http.state import Config, Db, Held
 from service.settings import Settings
 from service.store.database import Database
-from service.store.people import people, tokens
+from service.store.people import first_instructor, people, tokens
 
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = sessions.COOKIE
@@ -36,7 +36,8 @@ class Person:
     """An authenticated person, the scopes of their token, and their role in the course.
 
     ``single_user`` is true for the local student in single-user mode, whose role is instructor. ``session``
-    is the id of the browser's session.
+    is the id of the browser's session. ``viewer`` is the member of the staff who sees the pages as this
+    student does, "" if nobody.
     """
 
     name: str
@@ -44,9 +45,20 @@ class Person:
     role: str = "student"
     single_user: bool = False
     session: UUID | None = None
+    viewer: str = ""
+
+    @property
+    def views_another(self) -> bool:
+        """Whether a member of the staff sees the pages as another person does, and can only read."""
+        return self.viewer not in ("", self.name)
 
     def with_scope(self, scope: str) -> "Person":
         """Return the person. Raises Problem 403 if the token lacks ``scope``."""
+        if scope not in self.scopes and self.views_another:
+            detail = (
+                f"you see the pages as {self.name} does and can change nothing: press Stop, then try again"
+            )
+            raise Problem(403, "not-allowed", detail)
         if scope not in self.scopes:
             raise Problem(
                 403,
@@ -74,7 +86,8 @@ async def identify(
     try:
         if (person := await _by_authorization(request, settings, database, hub)) is None:
             person = await _by_header(request, settings, database) or await _by_cookie(cookies, database)
-            person = person or _single_user(request, settings)
+            person = person or await _single_user(request, settings, database)
+            person = await _as_student(person, cookies, database)
             if request.method != "GET":
                 # browsers add cookie and proxy header to cross-site requests too
                 await same_origin(request, settings, address)
@@ -183,8 +196,9 @@ async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | 
     return Person(info.person, scopes, info.role, session=info.id)
 
 
-def _single_user(request: Request, settings: Settings) -> Person:
-    if settings.identity != "local" or settings.person_header is not None:
+async def _single_user(request: Request, settings: Settings, database: Database) -> Person:
+    single_user = settings.identity == "local" and settings.person_header is None
+    if not single_user or await first_instructor.people_log_in(database):
         raise Problem(
             401,
             "nobody",
@@ -197,6 +211,19 @@ def _single_user(request: Request, settings: Settings) -> Person:
             "the request used an unknown host name: set POLHODE_PUBLIC_URL to the server's address",
         )
     return Person(LOCAL, frozenset(tokens.SCOPES), "instructor", single_user=True)
+
+
+async def _as_student(person: Person, cookies: sessions.Cookies, database: Database) -> Person:
+    """Return the student as whom a member of the staff has chosen to see the pages, else ``person``."""
+    name = cookies.viewed_as(person.name) if person.role in STAFF else None
+    if name is None:
+        return person
+    if name == person.name:
+        return replace(person, role="student", viewer=name)
+    role = await people.role(database, name)
+    if role in STAFF:  # meanwhile
+        return person
+    return Person(name, frozenset({"read"}), role, session=person.session, viewer=person.name)
 
 
 async def _person(database: Database, name: str, scopes: Iterable[str]) -> Person:

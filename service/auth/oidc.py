@@ -112,7 +112,10 @@ async def finish(
         raise Problem(403, "not-allowed", START_AGAIN) from None
     with _provider_errors():
         claims = await _verified_claims(request, client, settings)
-    account, logged_in = (str(claims["iss"]), str(claims["sub"])), None if user is None else user.name
+    account, logged_in = (
+        (str(claims["iss"]), str(claims["sub"])),
+        None if user is None else user.viewer or user.name,
+    )
     try:
         async with database.begin() as connection:
             name = await credentials.signed_in(

@@ -1,5 +1,5 @@
-"""Browser cookies: the signed session, the person the browser is known for, and the anonymous visit
-before a login.
+"""Browser cookies: the signed session, the person the browser is known for, the anonymous visit before a
+login, and as whom the staff sees the pages.
 """
 
 import hashlib
@@ -21,6 +21,7 @@ from service.store.people import tokens
 COOKIE = "polhode_session"  # the session's secret, signed
 KNOWN = "polhode_known"  # the person that last logged in with this browser
 VISIT = "polhode_visit"  # binds CSRF tokens before a login
+VIEW = "polhode_view"  # as which student a member of the staff sees the pages
 SESSION_S = 12 * 3600
 KNOWN_S = 180 * 24 * 3600
 
@@ -66,6 +67,7 @@ class Cookies:
             response, KNOWN, self.serializer("known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S
         )
         response.delete_cookie(VISIT)
+        self.stop_viewing(response)
 
     def known_browser(self, name: str) -> str | None:
         """Return the browser's identifier if the person has logged in with it before, otherwise None.
@@ -92,6 +94,23 @@ class Cookies:
         """Set the cookie of the anonymous id if it is used and new."""
         if self.__dict__.get("anonymous_id", cookie := self._request.cookies.get(VISIT)) != cookie:
             self.set(response, VISIT, self.anonymous_id)
+
+    def view_as(self, response: Response, owner: str, name: str) -> None:
+        """Let ``owner`` see the pages as ``name`` does, for as long as a session lasts."""
+        value = str(self.serializer("view").dumps([owner, name]))
+        self.set(response, VIEW, value, max_age=SESSION_S)
+
+    def viewed_as(self, owner: str) -> str | None:
+        """Return as whom ``owner`` sees the pages, None if as themselves."""
+        try:
+            viewer, name = self.serializer("view").loads(self._request.cookies.get(VIEW, ""))
+        except BadData:
+            return None
+        return str(name) if viewer == owner else None
+
+    def stop_viewing(self, response: Response) -> None:
+        """Let the browser's person see the pages as themselves."""
+        response.delete_cookie(VIEW)
 
     def set(self, response: Response, name: str, value: str, **options: Any) -> None:
         """Set a cookie that scripts cannot read and that forms of other sites do not send."""

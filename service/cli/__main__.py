@@ -55,7 +55,8 @@ COMMANDS = {
     ),
     "assign": (
         "server.assign",
-        "set or show deadline, grace period, submission limit and weight; options not given stay unchanged",
+        "publish an assignment; set or show deadline, grace period, submission limit and weight; options not"
+        " given stay unchanged",
     ),
     "roster": (
         "server.people",

@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import TextIO
 
 from service.formats.check_text import one_line, sanitize
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 
 CLEAR = "\r\x1b[K"
 

@@ -24,7 +24,7 @@ from service.formats.check_text import (
     sanitize,
 )
 from service.formats.grade_row import moment
-from service.grading.result import GradedFile, state
+from service.grading.graded_file import GradedFile, state
 
 SCHEMA = "classroom50/result/v1"
 

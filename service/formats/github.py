@@ -14,8 +14,8 @@ from polhode.judging.judge import MARKS, Verdict
 from polhode.judging.outcome import Outcome
 from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, sanitize
 from service.formats.source_lines import SourceLines
-from service.grading import result as graded
-from service.grading.result import GradedFile
+from service.grading import graded_file
+from service.grading.graded_file import GradedFile
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def summary(files: Sequence[GradedFile], assignment: Assignment, most: int = MOS
 
     The summary has at most ``most`` bytes; files that do not fit are counted.
     """
-    head = f"## polhode: {escaped(assignment.title)}\n\n{escaped(graded.summary(files))}\n\n{HEADER}"
+    head = f"## polhode: {escaped(assignment.title)}\n\n{escaped(graded_file.summary(files))}\n\n{HEADER}"
     table, left = _fitting(files, _row, most // 2 - len(head.encode()))
     table += f"\n{left} more files are not listed.\n" * bool(left)
     room = most - len((head + table).encode()) - ROOM

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
 from exercises.authoring.assignments.assignment import Assignment
-from service.grading.result import GradedFile, state
+from service.grading.graded_file import GradedFile, state
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ from service.formats.check_text import (
     one_line,
     sanitize,
 )
-from service.grading.result import GradedFile, state
+from service.grading.graded_file import GradedFile, state
 from service.grading.withholding import without_details
 
 MOST_PICTURES = 4 << 20

@@ -9,7 +9,7 @@ from pathlib import Path
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import MARKS
 from polhode.report import report_html
-from service.grading.result import GradedFile, summary
+from service.grading.graded_file import GradedFile, summary
 
 _STYLE = """
 :root{color-scheme:light dark;font:15px/1.5 system-ui,sans-serif;--p:#00674c;--f:#a33c00;--q:#5a5a5a}

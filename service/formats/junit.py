@@ -17,7 +17,7 @@ from polhode.judging.outcome import Outcome
 from polhode.report.report import Report
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
 from service.formats.source_lines import SourceLines
-from service.grading.result import GradedFile, state
+from service.grading.graded_file import GradedFile, state
 
 DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
 KINDS = {Verdict.FAIL: "failure", Verdict.UNMEASURED: "error"}

@@ -17,7 +17,7 @@ from polhode.judging.outcome import Outcome
 from polhode.notebook.outputs import is_notebook
 from polhode.report.student_line import BREAK
 from service.formats.check_text import stopped_by
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.grading.submission import cell_name, source_locations
 
 Numbered = list[tuple[int, str]]

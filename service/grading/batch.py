@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator, Sequence
 
 from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
 from service.grading.grade import missing_packages, select
+from service.grading.graded_file import GradedFile
 from service.grading.parallel import grade_in_processes
-from service.grading.result import GradedFile
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.levels import Isolation
+from service.sandbox.isolation.select import with_packages
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import with_packages
 
 
 def grade_files(

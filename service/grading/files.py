@@ -13,9 +13,9 @@ from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import SweepResult
 from polhode.notebook.outputs import is_notebook
 from service.grading.figures import rendering
-from service.grading.grade import Graded, UnknownExercise, select
+from service.grading.grade import Graded, UnknownExercise, grade, select
+from service.grading.graded_file import GradedFile
 from service.grading.grader import Grader, SweepFailed
-from service.grading.result import GradedFile
 from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -65,7 +65,7 @@ def grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> 
     except BadSubmission as reason:
         return GradedFile(file=request.file, refused=str(reason))
     try:
-        graded = grader.grade(submission, options.assignment, options.seed)
+        graded = grade(submission, options.assignment, grader.sandbox, options.seed)
         if options.sweep:
             graded.report.sweep = _sweep(grader, submission, options.assignment)
         drawn = _draw(graded, options)

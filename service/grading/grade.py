@@ -15,12 +15,12 @@ from polhode.report.cause import suspect_lines
 from polhode.report.report import Provenance, Report, pictures
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used
-from service.grading.diagnosis import reproduction
+from service.grading.diagnosis import matching_variants
 from service.grading.diagnosis.diagnosing import diagnose
-from service.grading.jobs import draw_inputs, job_of
 from service.grading.judging import judge
 from service.grading.playing import OnProgress, play_job
 from service.grading.published.loops import claims_of_solution
+from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -95,9 +95,9 @@ def _grade(
     chains = play_chains(assignment, played, sandbox)
     result = played.result
     covered = asked if numbers is not None else _covered(asked, result.written)
-    variants = TimeBudget(reproduction.LIMITS)
+    variants = TimeBudget(matching_variants.LIMITS)
     reproduced = functools.cache(
-        lambda question: reproduction.diagnose_question(assignment, question, played, sandbox, variants)
+        lambda question: matching_variants.diagnose_question(assignment, question, played, sandbox, variants)
     )
     causes = functools.cache(lambda scene: diagnose(assignment, scene, reproduced))
     sections = [judge(e, assignment, played, causes, remarks=chains.remarks) for e in covered]

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 from exercises.authoring.assignments.assignment import Assignment, Sweep
 from exercises.authoring.assignments.sweep import compared
@@ -10,12 +10,12 @@ from polhode.judging.outcome import SweepResult
 from polhode.report.document import document
 from polhode.report.report import Report
 from service.grading.author_errors import author_errors, find_assignment
-from service.grading.diagnosis.reproduction import LIMITS
+from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering
-from service.grading.grade import Graded, grade
-from service.grading.jobs import job_of, truth
+from service.grading.grade import grade
 from service.grading.playing import OnProgress, play
 from service.grading.published.loops import has_loops
+from service.grading.sandbox_job import job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -44,18 +44,6 @@ class Grader:
         if not self.sandbox.self_tested:
             self.sandbox.self_test()
 
-    def grade(
-        self,
-        submission: Submission,
-        assignment: Assignment,
-        seed: int,
-        exercises: Sequence[str] | None = None,
-        on_progress: OnProgress = lambda phase, scene, scenes: None,
-    ) -> Graded:
-        """Grade a submission, as ``grade.grade`` does. Raises Cancelled, SystemFault."""
-        self.ready()
-        return grade(submission, assignment, self.sandbox, seed, exercises, on_progress=on_progress)
-
     def sweep(
         self, submission: Submission, assignment: Assignment, exercises: Collection[str] = ()
     ) -> SweepResult:
@@ -70,9 +58,7 @@ class Grader:
         self.ready()
         function = sweep.scene.function
         mine = self._swept(submission, assignment, sweep)
-        source = (
-            sweep.solution.read_text("utf-8") if sweep.solution else assignment.right_submission(function)
-        )
+        source = assignment.right_submission(function)
         right = self._swept(Submission(source), assignment, sweep) if source else None
         return compared(mine, right, sweep, function)
 
@@ -111,7 +97,7 @@ class Grader:
     ) -> tuple[Report, dict[str, bytes]]:
         """Grade a submission. Return the report and its artefacts by name. Raises Cancelled, SystemFault."""
         began = time.perf_counter()
-        graded = self.grade(submission, find_assignment(slug), seed, on_progress=on_progress)
+        graded = grade(submission, find_assignment(slug), self.sandbox, seed, on_progress=on_progress)
         judged = time.perf_counter()
         packed = rendering.pack(graded)
         graded.report.provenance.phases_ms = {

@@ -8,8 +8,8 @@ from exercises.authoring.importing.validation_cells import ReportedLine
 from polhode.judging.checks import Check
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
-from polhode.judging.notes import Absent, unsaid
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome
+from polhode.judging.remarks import Absent, unsaid
 from service.grading.diagnosis.diagnosing import Causes, diagnose_failure
 from service.grading.playing import PlayedJob
 from service.sandbox.result import PlayResult

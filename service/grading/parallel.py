@@ -8,9 +8,9 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.sharedctypes import Synchronized
 
 from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
+from service.grading.graded_file import GradedFile
 from service.grading.grader import Grader
-from service.grading.result import GradedFile
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
 
 
@@ -21,16 +21,16 @@ def grade_in_processes(
     processes: int,
     on_progress: Callable[[int], None],
 ) -> Iterator[GradedFile]:
-    """Grade files in ``processes`` and yield one result per file, in input order. Close the ``sandbox`` and
-    those of the processes, which are copies of it, or new ones if the assignment has data files.
+    """Grade files in ``processes`` and yield one result per file, in input order. Each process has a sandbox
+    of its own: the first has this one, which is closed at the end as the others are.
 
     A lost process is a system fault of every file that is not graded yet.
     """
     others, started = set(multiprocessing.active_children()), multiprocessing.Value("i", 0)
-    shared = not options.assignment.data  # copies of a guest share their data files
-    sandboxes = [
-        sandbox.copy() if shared else Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes)
-    ]
+    more = (Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes - 1))
+    sandboxes = [sandbox, *more]
+    for one in sandboxes:
+        one.start()  # here: their guests then outlive a lost process, and are ended here
     fork = multiprocessing.get_context("fork")
     pool = ProcessPoolExecutor(processes, fork, _initialize, (options, sandboxes, started))
     try:
@@ -40,7 +40,7 @@ def grade_in_processes(
         for child in set(multiprocessing.active_children()) - others:
             child.kill()  # it is idle or its work was cancelled; its guest ends with it
         pool.shutdown(cancel_futures=True)
-        for one in (*sandboxes, sandbox):
+        for one in sandboxes:
             one.close()
 
 

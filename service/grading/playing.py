@@ -11,8 +11,8 @@ from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Ended, SceneEnd
 from service.grading.afresh import compare_afresh
 from service.grading.author_errors import MISSING_MODULE, fault
-from service.grading.jobs import truth
 from service.grading.published.loops import Claims
+from service.grading.sandbox_job import truth
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import OnScene, PlayResult, ignore
 from service.sandbox.sandbox import Sandbox

@@ -31,7 +31,9 @@ DONE = {
 async def show(
     request: Request, person: CurrentUser, settings: Config, database: Db, done: str = ""
 ) -> Response:
-    """Show the account page."""
+    """Show the account page. Nobody else sees a person's sessions and tokens on it."""
+    if person.views_another:
+        raise Problem(403, "not-allowed", f"only {person.name} can see this page: press Stop first")
     return await _page(request, person, settings, database, done=DONE.get(done))
 
 
@@ -46,7 +48,7 @@ async def set_password(
     """Set or change the password and log out every other browser. A change needs the current password."""
     _check_account(person)
     await _check_current_password(database, checker, limits, person.name, raw_field(form, "present"))
-    stored = await checker.hash(_new_password(form, person.name))
+    stored = await checker.hash(new_password(form, person.name))
     async with database.begin() as connection:
         # the proxy may name a person that the course does not know yet
         await people.add_person(connection, person.name)
@@ -110,7 +112,10 @@ async def _check_current_password(
             raise
 
 
-def _new_password(form: Form, name: str) -> str:
+def new_password(form: Form, name: str) -> str:
+    """Return the new password of the person ``name``, which the form has twice. Raises Problem 422 if it
+    cannot be set.
+    """
     password = raw_field(form, "password")
     if password != raw_field(form, "again"):
         raise Problem(422, "invalid-request", "passwords do not match: type the new password again", "/again")

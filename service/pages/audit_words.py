@@ -12,6 +12,7 @@ from service.store.database import Row
 from service.store.people.people import COURSE
 
 ACTIONS = {
+    "add person": "added",
     "assignment settings": "changed the settings of",
     "cancel": "cancelled a grading of",
     "comment": "commented on",
@@ -20,6 +21,7 @@ ACTIONS = {
     "course settings": "changed the settings of",
     "disconnect sign-in": "disconnected the sign-in of",
     "extension": "gave an extension to",
+    "first instructor": "became the first instructor as",
     "extension taken back": "took back the extension of",
     "give token": "gave a token to",
     "log in": "logged in as",
@@ -28,6 +30,7 @@ ACTIONS = {
     "note removed": "removed a note on",
     "override": "overrode points of",
     "override withdrawn": "withdrew an override of",
+    "person": "changed",
     "regrade": "regraded",
     "regrade applied": "applied",
     "regrade begun": "began",
@@ -39,6 +42,7 @@ ACTIONS = {
     "revoke token": "revoked tokens of",
     "roster": "imported the roster",
     "set password": "set the password of",
+    "view as": "saw the pages as",
 }
 """What was done, by the recorded action; others are shown as they are."""
 
@@ -60,6 +64,9 @@ FIELDS = {
     "title": "name",
 }
 """The words for recorded names that are not words already."""
+
+PAIRS = ("points", "role", "full_name", "email", "student_id", "section")
+"""Names whose value is a list of the value before and the value after."""
 
 SUBMISSION, REGRADE = "submission", "regrade"
 KINDS = {
@@ -116,7 +123,7 @@ def _value(name: str, value: object) -> Value:
     words = FIELDS.get(name, name.replace("_", " "))
     if isinstance(value, Mapping) and value.keys() == {OLD, NEW}:
         return Value(words, _text(name, value[OLD]), _text(name, value[NEW]))
-    if name == "points" and isinstance(value, list):
+    if name in PAIRS and isinstance(value, list):
         return Value(words, _text(name, value[0]), _text(name, value[-1]))
     return Value(words, "", _text(name, value))
 

@@ -12,7 +12,7 @@ from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.importing.validation_cells import is_self_reported
 from polhode.judging.checks import Check
 from service.api.health import WorkerStatus
-from service.api.history import list_own
+from service.api.past_submissions import list_own
 from service.api.release import visible_row
 from service.api.submissions import Available, Stored
 from service.auth import forms
@@ -40,7 +40,9 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     staff = person.role in STAFF
     isolation, reason = await workers.current()
     order = list(assignments())
-    overview = [row for row in await gradebook.overview(database) if row.slug in order]
+    overview = [
+        row for row in await gradebook.overview(database) if row.slug in order and (staff or row.published)
+    ]
     own_rows = [] if staff else await deadlines.of_person(database, person.name)
     mine = {row.slug: row for row in own_rows}
     counted = [] if staff else await grades(database, person=person.name)
@@ -59,7 +61,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "overview": overview,
         "groups": groups,
         "next": course_cards.next_deadline(groups, mine),
-        "weights": sum(row.weight for row in overview),
+        "weights": sum(row.weight for row in overview if row.published),
         "medians": await gradebook.medians(database) if staff else {},
         "standings": mine,
         "isolation": isolation or reason or "no worker is running",

@@ -6,12 +6,13 @@ from datetime import UTC, datetime, timedelta
 from service.store.database import Row
 
 SOON = timedelta(days=14)
-OPEN, LATER, NOT_YET, CLOSED = "Open", "Due later", "Not yet available", "Closed"
+OPEN, LATER, NOT_YET, CLOSED, DRAFT = "Open", "Due later", "Not yet available", "Closed", "Drafts"
 
 
 def groups(rows: Sequence[Row], own: Mapping[str, Row], order: Sequence[str]) -> dict[str, list[Row]]:
-    """Return the assignments by whether they are open, due in more than two weeks, not yet available, or
-    closed; in each group the next deadline first, those without one last, and closed ones latest first.
+    """Return the assignments by whether they are open, due in more than two weeks, not yet available,
+    closed, or drafts; in each group the next deadline first, those without one last, and closed ones latest
+    first.
 
     ``own`` are a student's own rules by assignment, which have their extensions; ``order`` that of the
     catalogue.
@@ -26,10 +27,10 @@ def groups(rows: Sequence[Row], own: Mapping[str, Row], order: Sequence[str]) ->
         over = due(row) + timedelta(seconds=row.grace_s) < now if due(row) < far else False
         later = now + SOON < due(row) < far
         group = CLOSED if over else NOT_YET if not row.available else LATER if later else OPEN
-        found.setdefault(group, []).append(row)
+        found.setdefault(group if row.published else DRAFT, []).append(row)
     if CLOSED in found:
         found[CLOSED].reverse()
-    return {name: found[name] for name in (OPEN, LATER, NOT_YET, CLOSED) if name in found}
+    return {name: found[name] for name in (OPEN, LATER, NOT_YET, CLOSED, DRAFT) if name in found}
 
 
 def due_at(row: Row, own: Mapping[str, Row]) -> datetime | None:

@@ -1,6 +1,7 @@
 """Settings of the course: name, term, time zone, late penalty, weights, and when the students see scores."""
 
 from collections.abc import Sequence
+from typing import Any
 from zoneinfo import available_timezones
 
 from fastapi import APIRouter, Request
@@ -14,7 +15,7 @@ from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import ZONE, find_zone, templates
-from service.pages import class_tabs
+from service.pages.class_view import tabs
 from service.pages.rejected_forms import post_form
 from service.store.course import assignment_settings, course_settings, gradebook
 from service.store.course.assignment_settings import RELEASES
@@ -42,7 +43,7 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
     """Show the settings of the course; instructors can change them."""
     context = {
         "settings": await course_settings.read(database),
-        "rows": await _overview(database),
+        "rows": await overview(database),
         "assignments": assignments(),
         "zones": sorted({"UTC", *available_timezones()}),
     }
@@ -52,31 +53,21 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
 @post_form(router, "/settings", page=show, at="/settings")
 async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
     """Save name and term, time zone, late penalty and the weights of the assignments."""
-    zone = forms.field(form, "time_zone") or "UTC"
-    if str(find_zone(zone)) != zone:
-        raise Problem(
-            422,
-            "invalid-request",
-            f"no time zone {zone[:80]}: enter a name such as Europe/Berlin",
-            "/time_zone",
-        )
     settings = CourseSettings(
-        title=forms.field(form, "title", MOST_NAME),
-        term=forms.field(form, "term", MOST_NAME),
-        time_zone=zone,
+        **about_course(form),
         late_penalty=_percent(form, "late_penalty", 0.0),
         late_penalty_limit=_percent(form, "late_penalty_limit", 100.0),
     )
     weights = {
         row.slug: forms.number(form, name, 0, MOST_WEIGHT, float(row.weight))
-        for row in await _overview(database)
+        for row in await overview(database)
         if (name := f"weight-{row.slug}") in form
     }
     await course_settings.change(database, settings, weights, person.name)
     return RedirectResponse("/settings", 303)
 
 
-@post_form(router, "/assignments/{slug}/release", page=class_tabs.show_settings, at=class_tabs.SETTINGS)
+@post_form(router, "/assignments/{slug}/release", page=tabs.show_settings, at=tabs.SETTINGS)
 async def set_release(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Set when the students see scores and the details of hidden checks, or release them or withdraw the
     release now.
@@ -96,7 +87,25 @@ async def set_release(person: Instructor, form: forms.Form, assignment: Assigned
     return RedirectResponse(f"/assignments/{slug}/class/settings#release", 303)
 
 
-async def _overview(database: Db) -> Sequence[Row]:
+def about_course(form: FormData) -> dict[str, Any]:
+    """Return name, term and time zone of the course in a form. Raises Problem 422 for an unknown zone."""
+    zone = forms.field(form, "time_zone") or "UTC"
+    if str(find_zone(zone)) != zone:
+        raise Problem(
+            422,
+            "invalid-request",
+            f"no time zone {zone[:80]}: enter a name such as Europe/Berlin",
+            "/time_zone",
+        )
+    return {
+        "title": forms.field(form, "title", MOST_NAME),
+        "term": forms.field(form, "term", MOST_NAME),
+        "time_zone": zone,
+    }
+
+
+async def overview(database: Db) -> Sequence[Row]:
+    """Return the gradebook's row of each assignment that this server has."""
     return [row for row in await gradebook.overview(database) if row.slug in assignments()]
 
 

@@ -32,7 +32,9 @@ async def show_people(
     request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
 ) -> Response:
     """Show all people of the course, and to instructors the roster import."""
-    context = {"rows": await people.everybody(database), "imported": entered}
+    rows = await people.everybody(database)
+    sections = sorted({row.section for row in rows if row.section})
+    context = {"rows": rows, "imported": entered, "roles": people.ROLES, "sections": sections}
     return templates.TemplateResponse(request, "people.html", context)
 
 
@@ -46,7 +48,7 @@ async def show_person(
     """Show a person's assignments, submissions, extensions and overrides."""
     if not name:
         return RedirectResponse("/people", 303)
-    about = await _find(database, name)
+    about = await find_person(database, name)
     counted = {
         row.assignment: row for row in await grades(database, person=name) if row.assignment in assignments()
     }
@@ -54,6 +56,7 @@ async def show_person(
     context = {
         "about": about,
         "beside": await people.neighbours(database, name),
+        "roles": people.ROLES,
         "assignments": assignments(),
         "rows": [
             (row, counted[row.slug])
@@ -73,7 +76,7 @@ async def show_person(
 @post_form(router, "/person/notes", page=show_person, at="/person")
 async def write_note(person: Staff, form: forms.Form, database: Db, name: PersonName) -> Response:
     """Add a note on a person, or remove the one whose id is in ``remove``."""
-    await _find(database, name)
+    await find_person(database, name)
     if removed := forms.field(form, "remove"):
         if not await notes.remove(database, name, identifier(removed), person.name):
             raise Problem(404, "not-found", "no note with this id: reload the page")
@@ -82,7 +85,8 @@ async def write_note(person: Staff, form: forms.Form, database: Db, name: Person
     return RedirectResponse(f"/person?name={quote(name, safe='')}#notes", 303)
 
 
-async def _find(database: Db, name: str) -> Row:
+async def find_person(database: Db, name: str) -> Row:
+    """Return the person of that name. Raises Problem 404 if they are not in the course."""
     found = None if "\x00" in name else await people.find(database, name)
     if found is None:
         raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")

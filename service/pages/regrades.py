@@ -14,15 +14,16 @@ from exercises.authoring.assignments.assignment import Assignment
 from service.api.submissions import Assigned, find_assignment
 from service.auth.forms import Form, field
 from service.auth.roles import Instructor, Staff
-from service.grading.result import MARKS, WORDS
+from service.grading.graded_file import MARKS, WORDS
 from service.http.errors import Problem
 from service.http.live import ChangeFeed, Listener
 from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages import class_tabs, submission
+from service.pages.class_view import tabs
 from service.pages.queue import Queue
 from service.pages.rejected_forms import post_form
+from service.pages.submission import page as submission
 from service.store.course import regrades
 from service.store.course.regrades import BEST, EVERY, Regrade
 from service.store.database import Row
@@ -56,7 +57,7 @@ async def list_regrades(request: Request, person: Staff, assignment: Assigned, d
 @post_form(
     router, "/assignments/{slug}/submissions/{id}/regrades", page=submission.report, at=submission.PATH
 )
-@post_form(router, class_tabs.SUBMISSIONS, page=class_tabs.show_submissions, at=class_tabs.SUBMISSIONS)
+@post_form(router, tabs.SUBMISSIONS, page=tabs.show_submissions, at=tabs.SUBMISSIONS)
 @post_form(router, LIST, page=list_regrades, at=LIST)
 async def create(person: Staff, form: Form, assignment: Assigned, database: Db, queue: Queue) -> Response:
     """Start a preview regrade of the selected submissions. Shown results do not change."""

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from service.auth.roles import OptionalUser
-from service.grading.figures import charts
+from service.grading.figures import method_charts
 from service.grading.figures.chart_drawing import draw
 from service.http.errors import Problem
 from service.http.templating import templates
@@ -23,20 +23,20 @@ async def reference(
     """Show the cost of accuracy on one scene, where methods fail and the least models, with date and versions
     of the measurement.
     """
-    document = charts.load()
-    if scene >= charts.count(document, "cost"):
+    document = method_charts.load()
+    if scene >= method_charts.count(document, "cost"):
         raise Problem(404, "not-found", f"no scene {scene}: see /reference for the scenes")
     return templates.TemplateResponse(
         request,
         "reference.html",
-        {"document": document, "number": scene, "exact_error": charts.EXACT_ERROR},
+        {"document": document, "number": scene, "exact_error": method_charts.EXACT_ERROR},
     )
 
 
 @router.get("/reference/{kind}-{number}.svg")
 async def chart(kind: Literal["cost", "failure"], number: int) -> Response:
     """Return a chart of the reference page as SVG."""
-    document = charts.load()
-    if not 0 <= number < charts.count(document, kind):
+    document = method_charts.load()
+    if not 0 <= number < method_charts.count(document, kind):
         raise Problem(404, "not-found", f"no chart {number}: see /reference for the charts")
-    return Response(draw(charts.chart(document, kind, number)), media_type="image/svg+xml")
+    return Response(draw(method_charts.chart(document, kind, number)), media_type="image/svg+xml")

@@ -13,7 +13,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from service.sandbox.guest import scratch
+from service.sandbox.guest.confinement import scratch
 from service.sandbox.guest.zygote import LATER, MODULES
 
 log = logging.getLogger(__name__)

@@ -4,7 +4,6 @@ import ast
 import base64
 import functools
 import json
-import marshal
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,8 +15,8 @@ from numpy.typing import NDArray
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import SceneEnd
-from service.sandbox.guest.place import Place
-from service.sandbox.guest.wire import APART, BYTES, FILES, LENGTH, NUMBERS
+from service.sandbox.guest.cells.place import Place
+from service.sandbox.guest.wire import APART, BYTES, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
 SHORT = 20  # numbers that are sent as digits
@@ -193,8 +192,8 @@ class Job:
         ]
         published = any(cell.published for cell in self.cells)  # the setup is one of these
         document = {
-            "setup": _compiled("" if published else self.setup, FILES["setup"]),
-            "plays": _compiled(self.plays, FILES["plays"]),
+            "setup": "" if published else self.setup,
+            "plays": self.plays,
             "notebook": self.notebook,
             "may_run_again": len(self.left_out) < MOST_LEFT_OUT,
             "left_out": [[place, _cause(end)] for place, end in self.left_out.items()],
@@ -240,18 +239,6 @@ def _is_interactive(cells: tuple[Cell, ...]) -> bool:
         return bool(INTERACTIVE.search(cells[0].source)) or not ast.parse(cells[0].source)
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         return True
-
-
-@functools.lru_cache(maxsize=64)
-def _compiled(source: str, name: str) -> dict[str, str]:
-    """Return a source and its code as text, empty if the source is invalid: the guest, the same interpreter,
-    then reports that.
-    """
-    try:
-        code = base64.b64encode(marshal.dumps(compile(source, name, "exec"))).decode()
-    except (SyntaxError, ValueError):
-        code = ""
-    return {"source": source, "code": code}
 
 
 def _encoded(document: Any) -> bytes:

@@ -7,9 +7,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from polhode.judging.claims import Claim, NotebookCheck
-from polhode.judging.notes import Notes
 from polhode.judging.outcome import Ended, SceneEnd
-from service.sandbox.guest.place import Place
+from polhode.judging.remarks import Notes
+from service.sandbox.guest.cells.place import Place
 
 KEPT_OUTPUT = 64 << 10  # bytes of printed output
 

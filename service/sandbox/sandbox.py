@@ -7,8 +7,8 @@ import threading
 
 from polhode.judging.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
-from service.sandbox.identity import ROOT_ALLOWED, Identity
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.credentials import ROOT_ALLOWED, Identity
+from service.sandbox.isolation.levels import Isolation
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, Cancelled, OnScene, PlayResult, SystemFault, TooBusy, ignore
 from service.sandbox.self_test_job import self_test_job
@@ -67,15 +67,6 @@ class Sandbox:
         """
         zygote = self._zygote
         return self._waited_s + (zygote.waited_s if zygote else 0.0)
-
-    def copy(self) -> "Sandbox":
-        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. What the self-test has shown
-        of this one is true of the copy.
-        """
-        other = type(self)(self.isolation, self.limits, libraries=self._libraries)
-        other.self_tested, other.identity = self.self_tested, self.identity
-        other._zygote = self.start().copy(other.cancelled)
-        return other
 
     def wait_ready(self) -> Identity:
         """Return the guest's identity when it is warm. Raises SystemFault if it cannot start."""

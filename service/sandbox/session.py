@@ -14,15 +14,15 @@ from io import FileIO
 from typing import Any, NamedTuple
 
 from polhode.judging.outcome import Ended, SceneEnd
-from service.sandbox.guest.place import Place
-from service.sandbox.guest.scratch import NO_ROOM
+from service.sandbox.guest.cells.place import Place
+from service.sandbox.guest.confinement.scratch import NO_ROOM
 from service.sandbox.guest.wire import CLOCK_FACTOR, COUNT, MALFORMED
 from service.sandbox.guest.zygote import REAPED
+from service.sandbox.guest_frames import ProtocolError, Reader
 from service.sandbox.job import MOST_LEFT_OUT, RUN_AGAIN, Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
 from service.sandbox.time_budget import ProcessorTimes, TimeBudget
 from service.sandbox.untrusted_text import text
-from service.sandbox.wire import ProtocolError, Reader
 
 GRACE_S = 1.5  # beyond a scene's budget, before the host ends a guest whose own alarm has not
 LOAD_FACTOR = 2  # the host waits this many times as long as the guest has for loading

@@ -1,7 +1,6 @@
 """The host's side of a zygote: start it, send it one job at a time, kill it when it misbehaves."""
 
 import contextlib
-import copy
 import json
 import logging
 import math
@@ -17,7 +16,6 @@ from io import FileIO
 from pathlib import Path
 
 from service.sandbox.guest.zygote import (
-    COPY,
     IMPORT,
     IPYTHON,
     KINDS_MODULE,
@@ -26,14 +24,14 @@ from service.sandbox.guest.zygote import (
     READY,
     REAPED,
 )
+from service.sandbox.guest_frames import Reader
 from service.sandbox.guest_process import GuestProcess
-from service.sandbox.identity import Identity
+from service.sandbox.isolation.credentials import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorTimes, TimeBudget, processor_times
 from service.sandbox.untrusted_text import text
-from service.sandbox.wire import Reader
 
 log = logging.getLogger(__name__)
 START_S, MOST_STARTS = 30.0, 20
@@ -87,22 +85,8 @@ class Zygote:
     def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
         self._started, self._control = started, started.control
         self._cancelled = cancelled
-        self.imported, self._is_copy = started.imported, False
+        self.imported = started.imported
         self._identity: Identity | None = None  # known once it is ready
-
-    def copy(self, cancelled: threading.Event) -> "Zygote":
-        """Return a copy, which ends with this one. All share one folder of data files, so only one of them
-        may play with any.
-
-        It needs no import, so it is ready soon after this one.
-        """
-        other = copy.copy(self)
-        other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        other._identity = None
-        other._is_copy, other._cancelled = True, cancelled
-        with theirs:
-            socket.send_fds(self._control, [COPY], [theirs.fileno()])
-        return other
 
     def wait_ready(self) -> Identity:
         """Return the guest's identity when it has imported everything. Raises SystemFault with its output if
@@ -255,14 +239,7 @@ class Zygote:
     def kill(self) -> None:
         """Kill the zygote and its children, and wait until it has exited, for at most 10 s: what it has sent
         is valid in any case.
-
-        A copy ends when its socket is shut down.
         """
-        if self._is_copy:
-            with contextlib.suppress(OSError):
-                self._control.shutdown(socket.SHUT_RDWR)
-            self._control.close()
-            return
         try:
             self._started.kill()
         except subprocess.TimeoutExpired:

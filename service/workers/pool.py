@@ -14,7 +14,7 @@ from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 
 from exercises.authoring.assignments.catalogue import assignments
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 from service.settings import Settings
 from service.workers.worker import work
 

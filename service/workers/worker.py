@@ -22,9 +22,9 @@ from exercises.authoring.assignments.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
 from service.sandbox.guest_process import remove_abandoned
+from service.sandbox.isolation.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits, processor_times
 from service.sandbox.untrusted_text import text
 from service.settings import Settings
@@ -32,7 +32,7 @@ from service.store.database import Database, is_outage, patiently
 from service.store.queue import runs, workers
 from service.store.queue.jobs import FIRST, LATER, SLOW, first_gradings_wait, new_app
 from service.store.schema import WrongSchema, check_schema
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.artefacts import store_artefacts
 from service.workers.pace import Pace, Stopwatch
 
@@ -205,13 +205,15 @@ class Worker:
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
         job = await patiently(partial(runs.read_grading, self._database, uuid.UUID(attempt)), PATIENCE_S)
-        number = await patiently(partial(sweeps.begin, self._database, job.grading), PATIENCE_S)
+        number = await patiently(partial(speed_vs_accuracy.begin, self._database, job.grading), PATIENCE_S)
         if number is not None:
             try:
                 artefacts = await self._measure(job, number)
             except Cancelled:
                 log.info("stopped: a grading waits")
-                await patiently(partial(sweeps.put_back, self._database, job.grading, number), PATIENCE_S)
+                await patiently(
+                    partial(speed_vs_accuracy.put_back, self._database, job.grading, number), PATIENCE_S
+                )
                 return
             await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
         await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
@@ -229,16 +231,16 @@ class Worker:
                 within=self._grader.longest_s(job.assignment),
             )  # fmt: skip
         except SweepFailed as reason:
-            return {sweeps.REFUSED: str(reason).encode()}
+            return {speed_vs_accuracy.REFUSED: str(reason).encode()}
         except Cancelled:
             raise
         except Exception as error:
             log.exception("measuring speed against accuracy failed")
-            return sweeps.fault(number, _reason(error))
+            return speed_vs_accuracy.fault(number, _reason(error))
         finally:
             giving_way.cancel()
             cancelled.clear()
-        return {sweeps.SWEPT: document.encode(), "sweep.svg": chart}
+        return {speed_vs_accuracy.SWEPT: document.encode(), "sweep.svg": chart}
 
     async def _give_way(self, cancelled: threading.Event) -> None:
         """Set ``cancelled``, which ends a measurement, once somebody waits for a first report."""

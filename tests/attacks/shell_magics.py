@@ -8,4 +8,4 @@ shell = get_ipython()
 for kind in ("line", "cell"):
     shell.magics_manager.magics[kind].clear()
 shell._own.line = shell._own.cell = {}
-sys.modules["IPython"] = sys.modules["guest.shell"] = types.ModuleType("IPython")
+sys.modules["IPython"] = sys.modules["guest.cells.shell"] = types.ModuleType("IPython")

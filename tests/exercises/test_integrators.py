@@ -102,7 +102,7 @@ def test_the_energy_is_that_of_sixty_digits():
 
 def matrix(row, h):
     """The matrix by which a step that is asked multiplies (x, v), by calling it."""
-    family = QUESTIONS["growth"].ask["step"]
+    family = QUESTIONS["growth"].inputs["step"]
     step = expression(family.text, family.over, {name: row[name] for name in family.given})
     return np.array([step(lambda x: -x, *start, h) for start in ((1.0, 0.0), (0.0, 1.0))]).T
 
@@ -158,7 +158,7 @@ def test_the_error_is_that_of_steps_in_sixty_digits():
 
 
 def test_the_calls_are_those_of_a_count():
-    family, found = QUESTIONS["calls_needed"].ask["step"], set()
+    family, found = QUESTIONS["calls_needed"].inputs["step"], set()
     for row in rows("calls_needed", 12):
         step, n, error = expression(family.text, family.over, {"c": row["c"]}), 4, np.inf
         while error > row["tol"]:
@@ -254,7 +254,7 @@ def test_an_error_that_equals_tol_does_so_in_every_form_of_the_distance(error):
 )
 def test_right_answers_of_other_forms_pass(name, source):
     for question in [question for question in ALL if question.function == name]:
-        outcomes = judged(question, f"def {name}({', '.join(QUESTIONS[name].ask)}):\n    {source}\n")
+        outcomes = judged(question, f"def {name}({', '.join(QUESTIONS[name].inputs)}):\n    {source}\n")
         assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
 
 

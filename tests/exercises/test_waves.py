@@ -99,7 +99,7 @@ def test_the_limit_is_that_of_the_matrix_of_the_scheme():
 
 
 def matrix_of(row, r):
-    scheme = QUESTIONS["stability_limit"].ask["step"]
+    scheme = QUESTIONS["stability_limit"].inputs["step"]
     step = expression(scheme.text, scheme.over, {name: row[name] for name in scheme.given})
     N = int(row["N"])
     pairs = np.pad(np.eye(2 * N - 2).reshape(-1, 2, N - 1), ((0, 0), (0, 0), (1, 1)))
@@ -214,7 +214,7 @@ ITERATED = """k = max(w**2 / 9.81, w / (9.81 * d) ** 0.5)
 )
 def test_right_answers_of_other_forms_pass(name, body):
     for question in [question for question in ALL if question.function == name]:
-        outcomes = judged(question, f"def {name}({', '.join(QUESTIONS[name].ask)}):\n    {body}\n")
+        outcomes = judged(question, f"def {name}({', '.join(QUESTIONS[name].inputs)}):\n    {body}\n")
         assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
 
 
@@ -265,7 +265,7 @@ REAL = ALL_POINTS.replace("np.linalg.eigvals(M)", "np.linalg.eigvals(M).real")
     ],
 )
 def test_what_is_right_for_some_inputs_only_is_refused(name, body):
-    source = f"def {name}({', '.join(QUESTIONS[name].ask)}):\n    {body}\n"
+    source = f"def {name}({', '.join(QUESTIONS[name].inputs)}):\n    {body}\n"
     source += (
         "\ndef by_arcsin(m, N, r):\n"
         "    return 2 * np.arcsin(r * np.sin(m * np.pi / 2 / N)) / (r * m * np.pi / N)\n"

@@ -13,8 +13,8 @@ from exercises.authoring import Ask
 from polhode.report.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose, with_packages
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose, with_packages
 from tests.support import author_pages
 from tests.support.assignments import known
 from tests.support.checkout import ROOT

@@ -110,7 +110,7 @@ def test_an_assignment_from_outside_comes_along_without_its_samples(rigid_body, 
     for private in (".env", ".git/config", "solution.ipynb"):
         (tmp_path / "spinning_top" / private).write_text("mine")
     files = read(bundle(replace(rigid_body, slug="spinning-top", folder=tmp_path / "spinning_top"), None))
-    inside = read(files["polhode-0.1.0-py3-none-any.whl"])
+    inside = read(files["polhode-0.1.0rc1-py3-none-any.whl"])
     assert b" --assignment spinning-top 2>&1" in files["run_autograder"]
     theirs = {
         n.removeprefix("exercises/spinning_top/") for n in inside if n.startswith("exercises/spinning_top/")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from reference import kinetic_energy, momentum_norm, orthonormality_error
-from reference.errors import errors, exact_run
+from reference.charts.deviations import errors, exact_run
 from reference.methods import HEAVY, METHODS, Scene
 from reference.methods.runge_kutta import RK4, TOLERANCES, adaptive, fixed, in_scipy
 from reference.methods.splitting import KAHAN_LI_6

@@ -3,44 +3,26 @@
 import json
 import re
 
-ASSIGNMENT = '''
-import numpy as np
+ASSIGNMENT = """
+from exercises.authoring import Notebook, absolute, between, relative
 
-from exercises.authoring.questions.author import Notebook, Tolerance, mistake, uniform
-from exercises.authoring.kinds.values import values
-
-notebook = Notebook("Falling", notebook="fall.ipynb")
+notebook = Notebook("fall.ipynb", title="Falling")
 
 
-def speed(t, g):
-    """Return the speed in m/s after t seconds."""
-    return SIGN * g * t
+@notebook.exercise("1", "Speed")
+def the_speed(ask):
+    speed = ask.function("speed")
+    speed.case("", t=between(0, 3), g=between(1, 20))
+    speed.truth(lambda t, g: t * g, agree=relative(1e-13, because="rounding"))
+    speed.mistake(change="g * t -> g / 7.25")
 
 
-def height(t, g, h):
-    return h - g * t**2 / 2
-
-
-EXACT = Tolerance(limit=1e-13, reason="rounding")
-G = {"t": uniform(0, 3), "g": uniform(1, 20)}
-SIGN = 1.0
-
-notebook.exercise(
-    "1",
-    "Speed",
-    values(speed, ask=G, truth=lambda t, g: t * g, agree=EXACT, mistakes=[mistake("g * t", "g / 7.25")]),
-)
-notebook.exercise(
-    "2",
-    "Height",
-    values(
-        height,
-        ask=G | {"h": 100.0},
-        truth=lambda t, g, h: h - 0.5 * g * t * t,
-        agree=Tolerance(atol=1e-11, reason="rounding"),
-    ),
-)
-'''
+@notebook.exercise("2", "Height")
+def the_height(ask):
+    height = ask.function("height")
+    height.case("", t=between(0, 3), g=between(1, 20), h=100.0)
+    height.truth(lambda t, g, h: h - 0.5 * g * t * t, agree=absolute(1e-11, because="rounding"))
+"""
 
 
 def markdown(source, **fields):
@@ -83,7 +65,7 @@ CELLS = [
 def write(folder, cells=CELLS, assignment=ASSIGNMENT):
     """Write an assignment and its author's notebook into the folder ``falling`` and return it."""
     folder = folder / "falling"
-    folder.mkdir()
+    folder.mkdir(parents=True)
     (folder / "assignment.py").write_text(assignment)
     notebook = {
         "nbformat": 4,
@@ -107,7 +89,7 @@ def solved(title, setup, numbers, solutions, given=re.compile("")):
 
 def declared(folder, assignment, *solutions, setup="import numpy as np"):
     """Write an assignment and its notebook.ipynb with these solutions into a new folder, and return it."""
-    folder.mkdir()
+    folder.mkdir(parents=True)
     (folder / "assignment.py").write_text(assignment)
     numbers = re.findall(r'@notebook\.exercise\("(\w+)"', assignment)
     (folder / "notebook.ipynb").write_text(solved(folder.name, setup, numbers, solutions))

@@ -11,7 +11,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from service.sandbox.bubblewrap import find_bubblewrap
+from service.sandbox.isolation.bubblewrap import find_bubblewrap
 
 OURS = ("polhode", "_polhode", "__pycache__")
 # a virtual environment gets its own

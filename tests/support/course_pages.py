@@ -114,6 +114,9 @@ async def _fill(database, url, sandbox, source, texts):
         "person": f"/person?name={quote(name)}",
         "search": "/search?q=a",
         "course settings": "/settings",
+        "setup": "/setup",
+        "start": "/start",
+        "extensions": "/extensions",
         "api": "/docs",
     }
     return paths | {

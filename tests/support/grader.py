@@ -1,7 +1,7 @@
 """A grader that polhode itself prevents from grading."""
 
 from service.grading.grader import Grader
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 

@@ -2,7 +2,7 @@
 server and the kit and the server's sdist in dist/, and installs and uses the wheels.
 
 They are installed with the hashed lock file into an empty environment of each given Python, outside the
-clone: there it grades a file, and serves and grades the same over HTTP.
+clone: there it grades a file, serves and grades the same over HTTP, and backs up and restores its database.
 """
 
 import argparse
@@ -155,9 +155,10 @@ def use(wheel: Path, python: str) -> None:
                 " points"
             )
         isolation = serve(polhode, folder, environment)
+        keep(polhode, folder, environment)
         print(
-            f"✓  {report['provenance']['versions']['python']}: installed outside the clone it grades and"
-            f" serves ({isolation})"
+            f"✓  {report['provenance']['versions']['python']}: installed outside the clone it grades, serves"
+            f" ({isolation}), backs up and restores"
         )
 
 
@@ -192,6 +193,15 @@ def serve(polhode: Path, folder: Path, environment: dict[str, str]) -> str:
     if not (report and report["passed"]):
         raise Refused("the installed server does not pass a right submission")
     return str(report["provenance"]["isolation"])
+
+
+def keep(polhode: Path, folder: Path, environment: dict[str, str]) -> None:
+    """Back up what ``serve`` has stored in ``folder``, and restore it into an empty database, which must then
+    have the same content.
+    """
+    backup = folder / "backup.dump"
+    run(polhode, "db", "backup", backup, env=environment, cwd=folder)
+    run(polhode, "db", "drill", backup, env=environment, cwd=folder)
 
 
 def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:

@@ -9,7 +9,7 @@ from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
 from polhode.report.report import Provenance, Report
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 
 ASSIGNMENT = find("rigid-body")
 PROVENANCE = Provenance(

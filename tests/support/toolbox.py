@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exercises.authoring import Notebook
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import find
-from exercises.authoring.questions.author import Notebook
 from polhode.judging.judge import Verdict
 from polhode.kinds import question_checks
 from tests.support.kit import environment, installed

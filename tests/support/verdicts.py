@@ -21,10 +21,10 @@ from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import MARKS
 from polhode.report.report import Report
 from service.grading.batch import grade_files
-from service.grading.diagnosis import reproduction
+from service.grading.diagnosis import matching_variants
 from service.grading.files import GradeOptions, GradeRequest
-from service.grading.result import GradedFile
-from service.sandbox.select import choose
+from service.grading.graded_file import GradedFile
+from service.sandbox.isolation.select import choose
 from service.sandbox.time_budget import TimeLimits
 from tests.support.right_on_motions_only import sources
 
@@ -62,7 +62,7 @@ def subjects(assignment: Assignment) -> list[Subject]:
 
 def graded(assignment: Assignment, chosen: list[Subject], jobs: int | None = None) -> Iterator[GradedFile]:
     """Grade the subjects in the sandbox, and yield their results in order."""
-    reproduction.LIMITS, reproduction.VARIANT_S = PATIENCE, VARIANT_S
+    matching_variants.LIMITS, matching_variants.VARIANT_S = PATIENCE, VARIANT_S
     with tempfile.TemporaryDirectory() as folder:
         requests = [GradeRequest(Path(folder, one.name), one.ask) for one in chosen]
         for request, one in zip(requests, chosen, strict=True):

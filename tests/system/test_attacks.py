@@ -31,10 +31,10 @@ from polhode.report.document import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import job, session
-from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
-from service.sandbox.isolation import LAYERS, process_isolation
+from service.sandbox.isolation.bubblewrap import find_bubblewrap, namespace_isolation
+from service.sandbox.isolation.levels import LAYERS, process_isolation
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.sandbox.zygote import _with_children
 
 HERE = Path(__file__).parents[1] / "attacks"
@@ -193,7 +193,7 @@ def impatient(rigid_body):
 @pytest.fixture
 def hurry(monkeypatch):
     """Little time to load, and little more than that before the host stops a guest."""
-    monkeypatch.setattr("service.grading.jobs.Job", partial(job.Job, load_budget_s=0.4))
+    monkeypatch.setattr("service.grading.sandbox_job.Job", partial(job.Job, load_budget_s=0.4))
     monkeypatch.setattr(session, "GRACE_S", 0.3)
 
 
@@ -401,7 +401,7 @@ def _rooms(sandbox):
     if os.geteuid() != 0:
         return []
     inside = next(pid for pid in _with_children(started.process.pid) if _is_python(pid))
-    return [*Path(f"/proc/{inside}/root/polhode/scratch").iterdir()]
+    return [Path(f"/proc/{inside}/root/polhode/scratch")]
 
 
 def _is_python(pid):

@@ -11,7 +11,7 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
 from service.formats import classroom50, github, gradescope, junit
 from service.grading.grade import grade
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.grading.submission import Submission
 from tests.support.course_notebook import as_ipynb
 

@@ -11,9 +11,9 @@ from service.cli.__main__ import main
 from service.cli.authoring.mutants import grade_mutants
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
+from service.sandbox.isolation.select import choose, with_packages
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose, with_packages
 
 DECLARED = [catalogue.slug_of(folder) for folder in catalogue._here() if folder.name != "rigid_body"]
 SLOWEST = {"heavy-top", "random-walks", "lagrangian"}

@@ -8,7 +8,7 @@ import pytest
 from exercises.authoring.assignments.catalogue import find
 from polhode.judging.judge import Verdict
 from service.grading.grade import grade
-from service.grading.jobs import draw_inputs, job_of
+from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
 from tests.support.isolation import BY_THE_HOST
 

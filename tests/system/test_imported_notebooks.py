@@ -15,9 +15,9 @@ from polhode.judging.judge import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from tests.support.assignments import change, known
 from tests.support.course_notebook import FILE, LABELS
 from tests.support.course_shape import (

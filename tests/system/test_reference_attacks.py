@@ -10,8 +10,8 @@ import pytest
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox import session
-from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.bubblewrap import find_bubblewrap, namespace_isolation
+from service.sandbox.isolation.levels import process_isolation
 from service.sandbox.job import Cell, Job, ReferenceFunctions, SceneRequest
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox

@@ -88,8 +88,8 @@ class Sweep:
     ``read(seen, truth)`` returns the result.
 
     ``tolerance`` is that of the check of this motion, ``sensitivity`` returns the motion's κ, and ``exact``
-    computes it in closed form at the exercise's own samples. ``solution`` is the file of the right solution
-    that is measured beside; by default it is a right submission of the assignment.
+    computes it in closed form at the exercise's own samples. A right submission of the assignment is measured
+    beside.
     """
 
     scene: Scene
@@ -97,7 +97,6 @@ class Sweep:
     tolerance: float | None = None
     sensitivity: Callable[[], float] | None = None
     exact: Callable[[], object] | None = None
-    solution: Path | None = None
 
 
 class PublishedCell(NamedTuple):

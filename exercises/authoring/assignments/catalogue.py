@@ -17,8 +17,7 @@ from exercises.authoring.assignments.assignment import Assignment, InvalidAssign
 from exercises.authoring.assignments.course_imports import distributions
 from exercises.authoring.assignments.validation import format_error, syntax_errors
 from exercises.authoring.importing.words import COURSE_FOLDER
-from exercises.authoring.notebook import Notebook as DeclaredNotebook
-from exercises.authoring.questions.author import Notebook
+from exercises.authoring.notebook import Notebook
 
 SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"
 DECLARATION = "assignment.py"
@@ -97,7 +96,7 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     ]
     if errors := syntax_errors(folder, [str(module.__file__) for module in own]):
         return None, errors
-    notebooks = [value for value in declared if isinstance(value, Notebook | DeclaredNotebook)]
+    notebooks = [value for value in declared if isinstance(value, Notebook)]
     if len(notebooks) != 1:
         return None, [f"{DECLARATION} makes {len(notebooks)} notebooks; it must make one"]
     errors = notebooks[0].errors(folder)

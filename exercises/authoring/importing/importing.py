@@ -9,7 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from exercises.authoring.importing.dependencies import dependencies
+from exercises.authoring.importing.requirements import dependencies
 from exercises.authoring.importing.validation_cells import Placed, placed_calls, published_cells
 from exercises.authoring.importing.words import words
 from exercises.authoring.notebook import NUMBER

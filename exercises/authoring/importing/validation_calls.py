@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from exercises.authoring.importing.words import Word, Words
 from polhode.judging.claims import kind_of
-from polhode.notebook.cells import python_of
+from polhode.notebook.cell_source import python_of
 
 LIMIT = "limit"  # the second parameter, whatever a package calls it
 LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)

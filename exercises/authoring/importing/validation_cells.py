@@ -23,7 +23,7 @@ from polhode.judging.claims import Claim
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Outcome, Tolerance
-from polhode.notebook.cells import python_of, statements_of
+from polhode.notebook.cell_source import python_of, statements_of
 
 VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check

@@ -1,10 +1,7 @@
-"""The kinds of questions that an author's ``assignment.py`` may ask, a module each, and what all of them
-take.
-"""
+"""The kinds of questions that ``Ask`` can ask, a module each, and what all of them take."""
 
 import functools
 import inspect
-import sys
 import typing
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -12,10 +9,10 @@ from inspect import BoundArguments, Parameter
 from types import GenericAlias
 from typing import Any
 
-from exercises.authoring.questions.declared import Mistake, Positive, Rows, type_errors
+from exercises.authoring.questions.declared import Positive, Rows, type_errors
 from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 
-SHARED = {"mistakes": Sequence[Mistake], "rows": Rows, "budget_s": Positive, "uses": Sequence[Any]}
+SHARED = {"rows": Rows, "budget_s": Positive, "uses": Sequence[Any]}
 
 
 def kind(
@@ -24,12 +21,12 @@ def kind(
     """Return the decorator of a function that makes a question: it takes the arguments of all kinds too, and
     collects errors.
 
-    All take ``mistakes``, ``budget_s``, the seconds that one scene may take, and unless excluded here
-    ``rows``, the numbers of public and of hidden inputs, and ``uses``, solutions of earlier questions that
-    the solution calls. An argument whose value does not fit its type hint, or an exception of the function,
-    is an error of the question.
+    All take ``budget_s``, the seconds that one scene may take, and unless excluded here ``rows``, the numbers
+    of public and of hidden inputs, and ``uses``, solutions of earlier questions that the solution calls. An
+    argument whose value does not fit its type hint, or an exception of the function, is an error of the
+    question.
     """
-    defaults: dict[str, Any] = {"mistakes": (), "budget_s": budget_s}
+    defaults: dict[str, Any] = {"budget_s": budget_s}
     defaults |= ({"rows": rows} if rows else {}) | ({"uses": ()} if uses else {})
 
     def decorate(make: Callable[..., Question]) -> Callable[..., Question]:
@@ -43,11 +40,7 @@ def kind(
 
         @functools.wraps(make)
         def made(*args: Any, **named: Any) -> Question:
-            line, invalid = sys._getframe(1).f_lineno, Question(make.__name__, None, {}, {})
-            try:
-                bound = signature.bind(*args, **named)
-            except TypeError as error:
-                return replace(invalid, wrong={"solution": [str(error)]}, line=line)
+            bound = signature.bind(*args, **named)
             bound.apply_defaults()
             given = bound.arguments
             found = {name: list(type_errors(name, value, hints[name])) for name, value in given.items()}
@@ -56,12 +49,12 @@ def kind(
             try:
                 question = make(*call.args, **call.kwargs)
             except Exception as error:
-                question = replace(invalid, solution=None if "solution" in wrong else given["solution"])
+                question = Question(make.__name__, given["solution"], {}, {})
                 wrong = wrong or {
                     "": [str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"]
                 }
             taken = {name: given[name] for name in defaults if name not in wrong}
-            return replace(question, **taken, wrong=wrong, line=line)
+            return replace(question, **taken, wrong=wrong)
 
         made.__signature__ = signature  # type: ignore[attr-defined]
         return made

@@ -1,7 +1,7 @@
 """Questions about an animation of points that follow given trajectories."""
 
 import functools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,9 +9,10 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec, Scene
 from exercises.authoring.kinds import kind
-from exercises.authoring.kinds.own_motion import own_motion
-from exercises.authoring.questions.declared import Ask, Itself, Limit, Positive, tolerance_data
+from exercises.authoring.kinds.recognised_motion import own_motion
+from exercises.authoring.questions.declared import Given, Itself, Limit, Positive, tolerance_data
 from exercises.authoring.questions.question import Question
+from exercises.authoring.solutions import NotebookSolution
 from polhode.animation.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
 from polhode.animation.artists import MOST_AXES
 from polhode.judging.outcome import Tolerance
@@ -89,8 +90,8 @@ def _of_body(body: Mapping[str, Any] | None) -> list[str]:
 
 @kind(rows=None, budget_s=BUDGET_S, uses=False)
 def animation(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     follow: Sequence[str],
     agree: Limit,
     *,
@@ -98,7 +99,7 @@ def animation(
     budget_s: Positive = BUDGET_S,
 ) -> Question:
     """Return the question to draw an animation with ``solution``, which returns or shows it, from the
-    arguments ``ask``.
+    arguments ``inputs``.
 
     ``follow`` names the arguments that are trajectories, arrays (n, 2) or (n, 3), at the times (n,) of the
     argument ``time``. Each must be followed by something drawn, evenly from its start to its end. The
@@ -108,7 +109,7 @@ def animation(
     made = Animated(
         kind="animation",
         solution=solution,
-        ask=ask,
+        inputs=inputs,
         values={},
         truth=Itself("the trajectories are given"),
         data={
@@ -129,8 +130,8 @@ def animation(
 
 @kind(rows=None, budget_s=BUDGET_S, uses=False)
 def body_animation(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     body: Mapping[str, Any],
     *,
     time: str = "t",
@@ -140,7 +141,8 @@ def body_animation(
     scene: str | None = None,
     budget_s: Positive = BUDGET_S,
 ) -> Question:
-    """Return the question to draw a turning body with ``solution`` from the arguments ``ask``, in any style.
+    """Return the question to draw a turning body with ``solution`` from the arguments ``inputs``, in any
+    style.
 
     ``body`` names the arguments R, attitudes (n, 3, 3) from body axes to space at the times ``time``, and L,
     the angular momentum in space, or half, the half edges of a box; ``axis`` (0, 1, 2) is the body axis to
@@ -151,7 +153,7 @@ def body_animation(
     return Animated(
         kind="animation",
         solution=solution,
-        ask=ask,
+        inputs=inputs,
         values={},
         truth=Itself("the motion is given"),
         data={
@@ -172,8 +174,8 @@ def body_animation(
 def _errors(question: Question) -> Iterator[str]:
     """Yield the errors of the trajectories."""
     wanted = [question.data["time"], *question.data["follow"]]
-    if absent := [name for name in wanted if name not in question.ask]:
-        yield f"{question.function}: ask has no {', '.join(absent)}"
+    if absent := [name for name in wanted if name not in question.inputs]:
+        yield f"{question.function} has no input {', '.join(absent)}"
         return
     if not question.data["follow"]:
         yield f"{question.function}: follow names no trajectory"

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.declared import Agree, Ask, Itself, Truth, named_values
+from exercises.authoring.questions.declared import Agree, Given, Itself, Truth, named_values
 from exercises.authoring.questions.question import Question
+from exercises.authoring.solutions import NotebookSolution
 
 
 @dataclass(frozen=True)
@@ -40,28 +41,28 @@ def symbol(low: float, high: float, *, complex: bool = False, **assumptions: boo
 
 @kind(rows=(4, 16), budget_s=10.0, uses=False)
 def expression(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     truth: Truth,
     *,
     agree: Agree,
     variable: str | None = None,
-    label: str | None = None,
 ) -> Question:
     """Return the question for a sympy expression, a matrix of expressions, or several expressions, that
     ``solution`` returns.
 
-    ``ask`` maps its parameters to symbols, constants and draws. ``truth`` gets numbers for the symbols and
-    returns numbers, by numpy, sympy or another method. ``variable`` names the expression that a cell assigns,
-    the body of ``solution``; its symbols are known by the names in ``ask``. ``agree`` is that of ``values``.
+    ``inputs`` maps its parameters to symbols, constants and draws. ``truth`` gets numbers for the symbols and
+    returns numbers, by numpy, sympy or another method. ``variable`` names the expression that the
+    ``solution``, a cell, assigns; its symbols are known by the names in ``inputs``. ``agree`` is that of
+    ``values``.
     The assignment declares ``packages=("sympy",)``.
     """
-    symbols = {name: value for name, value in ask.items() if isinstance(value, Symbol)}
+    symbols = {name: value for name, value in inputs.items() if isinstance(value, Symbol)}
     return Question(
         kind="expression",
         solution=solution,
-        ask=ask,
-        values=named_values(agree, label),
+        inputs=inputs,
+        values=named_values(agree),
         truth=truth if isinstance(truth, Itself) else _numeric(truth, symbols),
         variables=(variable,) if variable else (),
         data={"symbols": {name: dict(value.assumptions) for name, value in symbols.items()}, "complex": True},

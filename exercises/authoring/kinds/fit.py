@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 from exercises.authoring.kinds import kind
 from exercises.authoring.questions.declared import Draw, LimitOrValue, Named, Rule, is_numeric, named_values
 from exercises.authoring.questions.question import Question
+from exercises.authoring.solutions import NotebookSolution
 
 STARTS = 8
 Data = Annotated[Any, Rule("an array (n,) of real numbers", lambda x: np.ndim(x) == 1 and is_numeric(x))]
@@ -22,13 +23,14 @@ Array = NDArray[np.float64]
 
 @kind(rows=(2, 8), budget_s=10.0)
 def fit(
-    solution: Named,
+    solution: NotebookSolution,
     model: Named,
     *,
     x: Data,
     sigma: Deviations,
     drawn: Mapping[str, Draw],
-    agree: tuple[LimitOrValue, LimitOrValue],
+    parameters: LimitOrValue,
+    covariance: LimitOrValue,
     absolute_sigma: bool = True,
 ) -> Question:
     """Return the question for a function ``(x, y, sigma)``, by any names, that returns fitted parameters and
@@ -37,9 +39,9 @@ def fit(
     A data set is ``model(x, *parameters)`` plus normal noise of standard deviations ``sigma``, with ``drawn``
     parameters in the order of the model. Exact are the weighted least-squares parameters p of these data, by
     an optimizer of scipy from several starts, and the covariance (JᵀJ)⁻¹ of the weighted residuals' Jacobian
-    J at p: as ``curve_fit`` defines it, times χ²/(n − p) unless ``absolute_sigma``. ``agree`` are the
-    tolerances of parameters and covariance: a ``limit`` relative to the standard deviation σᵢ of each
-    parameter, and to σᵢσⱼ.
+    J at p: as ``curve_fit`` defines it, times χ²/(n − p) unless ``absolute_sigma``. The tolerances of
+    ``parameters`` and ``covariance`` are relative to the standard deviation σᵢ of each parameter, and to
+    σᵢσⱼ.
     """
     given, deviations = np.asarray(x, float), np.broadcast_to(np.asarray(sigma, float), np.shape(x))
     names, fitted = (
@@ -56,15 +58,15 @@ def fit(
             f"drawn has {', '.join(drawn)}: it must have the parameters of the model, {', '.join(fitted)}"
         )
 
-    def parameters(rng: np.random.Generator) -> Array:
+    def drawn_parameters(rng: np.random.Generator) -> Array:
         return np.array([drawn[name](rng) for name in fitted], float)
 
     def data(rng: np.random.Generator) -> Array:
-        return np.asarray(model(given, *parameters(rng)) + deviations * rng.normal(size=given.shape))
+        return np.asarray(model(given, *drawn_parameters(rng)) + deviations * rng.normal(size=given.shape))
 
     def exact(**row: Any) -> tuple[Array, Array]:
         rng, y = np.random.default_rng(0), row[names[1]]
-        starts = [parameters(rng) for _ in range(STARTS)]
+        starts = [drawn_parameters(rng) for _ in range(STARTS)]
         p, covariance, cost = _fitted(lambda p: (model(given, *p) - y) / deviations, starts)
         return p, covariance if absolute_sigma else covariance * 2 * cost / (len(given) - len(fitted))
 
@@ -74,8 +76,8 @@ def fit(
     return Question(
         kind="fit",
         solution=solution,
-        ask=dict(zip(names, (given, data, np.array(deviations)), strict=True)),
-        values=named_values(dict(zip(("parameters", "covariance"), agree, strict=True))),
+        inputs=dict(zip(names, (given, data, np.array(deviations)), strict=True)),
+        values=named_values({"parameters": parameters, "covariance": covariance}),
         truth=exact,
         data={"fitted": fitted},
     )

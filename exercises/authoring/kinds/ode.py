@@ -14,10 +14,10 @@ from exercises.authoring.assignments.sweep import BUDGET_S, SETTINGS, result
 from exercises.authoring.kinds import kind
 from exercises.authoring.questions.declared import (
     Agree,
-    Ask,
     Count,
     Expression,
     Family,
+    Given,
     Itself,
     Limit,
     Named,
@@ -28,6 +28,7 @@ from exercises.authoring.questions.declared import (
 )
 from exercises.authoring.questions.question import Part, Question, call_with
 from exercises.authoring.questions.question_errors import family_errors
+from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.checks import Arrays
 from polhode.judging.integration import solve_ivp
 from polhode.judging.outcome import SweepResult
@@ -37,12 +38,12 @@ from polhode.kinds.asking import flat, split
 
 @kind()
 def ode(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     agree: Agree,
     *,
     truth: Truth | None = None,
-    t_end: Positive | None = None,
+    until: Positive | None = None,
     follow: Limit | None = None,
     motion: Named | None = None,
     conserved: Mapping[str, tuple[Expression, Limit]] | None = None,
@@ -50,10 +51,9 @@ def ode(
     state: str = "y",
     scale: Positive | tuple[Positive, ...] = 1.0,
     most_calls: Count = 20_000,
-    label: str | None = None,
 ) -> Question:
-    """Return the question for a right-hand side: its values at points, and with ``t_end`` also its motion
-    from t = 0 to ``t_end``.
+    """Return the question for a right-hand side: its values at points, and with ``until`` also its motion
+    from t = 0 to that time.
 
     ``follow`` is the tolerance of the motion, a ``limit`` relative to each component's largest value.
     ``motion(t, y, parameters…)`` is the closed form for times t (n,) and the state y at t = 0; it returns (k,
@@ -69,7 +69,7 @@ def ode(
     data = {
         "time": time,
         "state": state,
-        "t_end": t_end,
+        "t_end": until,
         "scale": scale,
         "most_calls": most_calls,
         "conserved": kept,
@@ -86,13 +86,15 @@ def ode(
         }
 
     def errors() -> Iterator[str]:
-        if state not in ask:
-            yield f"ask has no {state}, the state: name it with state="
-        if (t_end is None) != (follow is None) or (t_end is None and (motion or conserved)):
-            yield "a motion needs t_end and follow, its tolerance"
+        if state not in inputs:
+            yield f"there is no input {state}, the state: name it with state="
+        if (until is None) != (follow is None) or (until is None and (motion or conserved)):
+            yield "a motion needs until= and follow=, its tolerance"
         known = {
-            **ask,
-            **{name: 0.0 for family in ask.values() if isinstance(family, Family) for name in family.given},
+            **inputs,
+            **{
+                name: 0.0 for family in inputs.values() if isinstance(family, Family) for name in family.given
+            },
             time: 0.0,
         }
         for name in inspect.signature(motion).parameters if motion else ():
@@ -104,8 +106,8 @@ def ode(
     return Question(
         kind="ode",
         solution=solution,
-        ask=ask,
-        values=named_values(agree, label),
+        inputs=inputs,
+        values=named_values(agree),
         truth=truth or (Itself("the closed form of its motion certifies it") if motion else None),
         data=data | ({"follow": tolerance_data(follow), "settings": SETTINGS} if follow else {}),
         parts={"motion": Part(exact)} if follow else {},

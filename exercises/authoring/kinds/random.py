@@ -1,6 +1,5 @@
 """Questions about random output: samples of a distribution, and Monte Carlo estimates."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -9,8 +8,8 @@ import scipy.stats
 
 from exercises.authoring.kinds import kind
 from exercises.authoring.questions.declared import (
-    Ask,
     Close,
+    Given,
     Limit,
     Named,
     Positive,
@@ -21,6 +20,7 @@ from exercises.authoring.questions.declared import (
     tolerance_data,
 )
 from exercises.authoring.questions.question import Question
+from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.outcome import Tolerance
 
 RATE = 1e-6
@@ -63,8 +63,8 @@ def seed() -> Seed:
 
 @kind(budget_s=BUDGET_S)
 def samples(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     distribution: Distribution,
     *,
     call: Source | None = None,
@@ -76,7 +76,7 @@ def samples(
     """Return the question for a function that returns independent samples, an array or a single number.
 
     ``distribution`` is a name of scipy.stats, discrete or continuous, and ``parameters`` are its parameters:
-    numbers, or functions of the arguments ``ask``. ``rv_discrete`` takes ``values=``, numbers and their
+    numbers, or functions of the arguments ``inputs``. ``rv_discrete`` takes ``values=``, numbers and their
     probabilities (2, k). An argument ``generator()`` or ``seed()`` is a new one for each call; without one
     the function uses a generator of its own. Each row of arguments is asked ``repetitions`` times: about 1e5
     samples detect a difference of the cumulative distributions of 1 %. ``call`` is an expression to evaluate
@@ -85,13 +85,13 @@ def samples(
     """
     parameters = parameters or {"loc": 0.0}  # a standard distribution
     data = {"distribution": distribution, "shape_parameters": list(parameters), "repetitions": repetitions}
-    return _question(solution, ask, label, rows=rows, data=data, call=call, known=parameters)
+    return _question(solution, inputs, label, rows=rows, data=data, call=call, known=parameters)
 
 
 @kind(budget_s=BUDGET_S)
 def estimate(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     truth: Named | float,
     *,
     sd: Named | Positive,
@@ -107,7 +107,7 @@ def estimate(
     standard deviation.
 
     ``truth`` is the expected value of the estimate and ``sd`` its standard deviation, computed or measured:
-    numbers, or functions of the arguments ``ask``. The mean and the spread of the ``repetitions`` are tested
+    numbers, or functions of the ``inputs``. The mean and the spread of the ``repetitions`` are tested
     against both. A systematic error up to ``bias``, ``atol`` and ``rtol``, is allowed. With ``error`` the
     function returns an estimate and its error: the root mean square of error/sd − 1 is at most the ``limit``
     of that tolerance, for N samples in an estimate at least 5/√N. With ``mean_error`` the mean of all
@@ -117,19 +117,21 @@ def estimate(
     given = {"error": error, "mean_error": mean_error, "bias": bias}
     allowed = {name: tolerance_data(tolerance) for name, tolerance in given.items() if tolerance}
     data = {"repetitions": repetitions, **allowed}
-    return _question(solution, ask, label, rows=rows, data=data, call=call, known={"value": truth, "sd": sd})
+    return _question(
+        solution, inputs, label, rows=rows, data=data, call=call, known={"value": truth, "sd": sd}
+    )
 
 
 def _question(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     label: str | None,
     *,
     rows: tuple[int, int],
     data: dict[str, Any],
     **given: Any,
 ) -> Question:
-    seeds = {name: value for name, value in ask.items() if isinstance(value, Seed)}
+    seeds = {name: value for name, value in inputs.items() if isinstance(value, Seed)}
     bias = data.get("bias", {})
     rate = f"a right solution fails one of these tests in fewer than one of {1 / RATE:,.0f} gradings"
     value = Value(Tolerance(limit=RATE, reason=rate))
@@ -142,5 +144,5 @@ def _question(
     }
     values = {"value": value} | ({"error": value} if data.keys() & {"error", "mean_error"} else {})
     return Question(
-        kind="random", solution=solution, ask=ask, values=values, data={**common, **data}, **given
+        kind="random", solution=solution, inputs=inputs, values=values, data={**common, **data}, **given
     )

@@ -16,10 +16,10 @@ from exercises.authoring.kinds.ode import converged
 from exercises.authoring.questions.declared import (
     Absolute,
     Agree,
-    Ask,
     Close,
     Expression,
     Family,
+    Given,
     Limit,
     Named,
     Positive,
@@ -30,6 +30,7 @@ from exercises.authoring.questions.declared import (
 )
 from exercises.authoring.questions.question import Later, Part, Question, call_with
 from exercises.authoring.questions.question_errors import family_errors
+from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import SweepResult
 from polhode.kinds import stepper as kit
@@ -61,22 +62,21 @@ rk4 = tableau([[], [1 / 2], [0, 1 / 2], [0, 0, 1]], [1 / 6, 1 / 3, 1 / 3, 1 / 6]
 
 @kind()
 def stepper(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     agree: Agree,
     *,
     truth: Truth | None = None,
     calls: Limit | None = None,
     order: tuple[Positive, Absolute] | None = None,
     rates: Named | None = None,
-    stability: tuple[Annotated[float, Rule("a number ≥ 0, or math.inf", lambda h: h >= 0)], Close]
+    stable_to: tuple[Annotated[float, Rule("a number ≥ 0, or math.inf", lambda h: h >= 0)], Close]
     | None = None,
     test: Expression | None = None,
     chart: Positive | None = None,
     time: str = "t",
     step: str = "h",
     state: str = "y",
-    label: str | None = None,
 ) -> Question:
     """Return the question for one step, such as ``step(f, t, y, h)`` or ``verlet(force, x, v, h)``.
 
@@ -86,16 +86,16 @@ def stepper(
     ``order`` is the order of convergence; its tolerance ``atol`` is how far below it the observed order may
     be. It is observed for runs of four steps of each row's size, halved six times, against the integrated
     ``rates``: a function of the arguments that returns the derivatives of the state in order, by default the
-    function argument. ``stability`` is the largest step for which the ``test`` problem does not grow, 0 if it
+    function argument. ``stable_to`` is the largest step for which the ``test`` problem does not grow, 0 if it
     always grows, or ``math.inf``. The test problem is the expression of the function argument, by default
     minus its last variable: y' = −y, or x'' = −x.
 
     ``chart`` adds the step to the chart of speed against accuracy: the time that a motion from the first
     row's state takes. All steppers of the assignment with ``chart`` are in one chart.
     """
-    several = named_values(agree, label)
+    several = named_values(agree)
     name, family = next(
-        ((name, value) for name, value in ask.items() if isinstance(value, Family)),
+        ((name, value) for name, value in inputs.items() if isinstance(value, Family)),
         ("", Family("0", ("",), {})),
     )
     states = {value: value for value in several} if isinstance(agree, Mapping) else {"value": state}
@@ -105,7 +105,7 @@ def stepper(
         "state": states,
         "test": test or f"-{family.over[-1]}",
     }
-    measured = {"order": order, "stability": stability}
+    measured = {"order": order, "stability": stable_to}
     data |= {"chart": chart} if chart else {}
     data |= {
         part: [min(given[0], kit.LARGEST), tolerance_data(given[1])]
@@ -127,15 +127,17 @@ def stepper(
 
     def errors() -> Iterator[str]:
         if not name:
-            yield "a stepper needs a function argument: family(…)"
+            yield "a step needs a function argument: expression(…)"
             return
         if (order or chart) and rates is None and len(states) > 1:
             left = ", ".join(states.values())
             yield (
-                f"order and chart need the derivatives of {left}: give rates=, a function that returns them"
-                " in order, such as lambda acc, x, v: (v, acc(x))"
+                f"order and chart need the derivatives of {left}: decorate with @question.rates a function"
+                " that returns them in order, such as v, acc(x)"
             )
-        yield from (f"it has no parameter {given}" for given in [step, *states.values()] if given not in ask)
+        yield from (
+            f"it has no parameter {given}" for given in [step, *states.values()] if given not in inputs
+        )
         yield from (
             f"the test problem: {error}" for error in family_errors(Family(data["test"], family.over, {}))
         )
@@ -144,7 +146,7 @@ def stepper(
     return Question(
         kind="stepper",
         solution=solution,
-        ask=ask,
+        inputs=inputs,
         values=several,
         truth=truth,
         data=data | ({"calls": tolerance_data(calls)} if calls else {}),

@@ -7,54 +7,49 @@ from typing import Any
 from exercises.authoring.kinds import kind
 from exercises.authoring.questions.declared import (
     Agree,
-    Ask,
     Family,
+    Given,
     Limit,
-    Points,
     Source,
     Truth,
-    UpTo,
     named_values,
     tolerance_data,
 )
 from exercises.authoring.questions.question import Question
+from exercises.authoring.solutions import NotebookSolution
 from polhode.kinds import asking
 
 
 @kind()
 def values(
-    solution: Callable[..., Any],
-    ask: Ask,
+    solution: NotebookSolution,
+    inputs: Given,
     agree: Agree,
     *,
     truth: Truth | None = None,
-    label: str | None = None,
-    up_to: UpTo | None = None,
-    points: Points = 1,
-    partial: bool = False,
     calls: Limit | None = None,
     call: Source | None = None,
     keys: bool = False,
 ) -> Question:
-    """Return the question what ``solution`` returns for the arguments ``ask``.
+    """Return the question what ``solution`` returns for the arguments ``inputs``.
 
     ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order,
-    of a dict with ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` are those of ``Value``, for
-    a single value. ``calls`` limits the calls of the function arguments. ``call`` is an expression to
-    evaluate instead of calling ``solution`` with its parameters, such as ``"Pendulum(l, g).period()"``.
+    of a dict with ``keys=True``. ``calls`` limits the calls of the function arguments. ``call`` is an
+    expression to evaluate instead of calling ``solution`` with its parameters, such as
+    ``"Pendulum(l, g).period()"``.
     """
-    has_function = any(isinstance(value, Family) for value in ask.values())
+    has_function = any(isinstance(value, Family) for value in inputs.values())
     return Question(
         kind="values",
         solution=solution,
-        ask=ask,
-        values=named_values(agree, label, up_to=up_to, points=points, partial=partial),
+        inputs=inputs,
+        values=named_values(agree),
         truth=truth,
         call=call,
         keys=keys,
         data={"calls": tolerance_data(calls)} if calls else {},
         errors=lambda: iter(
-            ["calls= needs a function argument: family(…)"] if calls and not has_function else []
+            ["calls= needs a function argument: expression(…)"] if calls and not has_function else []
         ),
     )
 

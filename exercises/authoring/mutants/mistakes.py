@@ -11,9 +11,9 @@ from exercises.authoring.assignments.samples import codes
 from exercises.authoring.importing.validation_cells import LINE
 from exercises.authoring.mutants.mutation import pairs, variants
 from exercises.authoring.mutants.solution import Variant
-from exercises.authoring.questions import author_notebook
+from exercises.authoring.questions.declared import Mistake
 from exercises.authoring.questions.question import Question
-from exercises.authoring.solutions import NotebookSolution
+from exercises.authoring.written_mistakes import WrittenMistake
 from polhode.judging.judge import Verdict
 
 
@@ -73,28 +73,21 @@ class MadeSample:
         return [f"the diagnosis is {found}, not {self.code}"] if self.code and found != self.code else []
 
 
-def made_samples(
-    questions: Sequence[tuple[str, Question]], notebook: Path | None = None
-) -> Iterator[MadeSample]:
+def made_samples(questions: Sequence[tuple[str, Question]], notebook: Path) -> Iterator[MadeSample]:
     """Yield the sample of all right solutions, the author's ``notebook``, and a sample for each mistake.
 
-    ``questions`` are those of each exercise's number. The notebook is a sample of the exercises that it
-    solves. A sample of a mistake has the right solutions of the questions before it and of the others of its
-    exercise.
+    ``questions`` are those of each exercise's number. A sample of a mistake has the right solutions of the
+    questions before it and of the others of its exercise.
     """
     numbers = tuple(dict.fromkeys(number for number, _ in questions))
     yield MadeSample("right_all.py", source_before(questions, len(questions)), numbers, right=True)
-    if notebook is not None:
-        written = author_notebook.written(author_notebook.read(notebook))
-        absent = {number for number, question in questions if not written.issuperset(question.names)}
-        if solved := tuple(number for number in numbers if number not in absent):
-            yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), solved, right=True)
-    made: list[Any] = []
+    yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), numbers, right=True)
+    made = list[Mistake | WrittenMistake]()
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
             if any(mistake is one for one in made):  # in another case of the function
                 continue
-            made += [mistake] if isinstance(question.solution, NotebookSolution) else []
+            made.append(mistake)
             others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
             source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
             about = (mistake.code or "no_code").replace("-", "_")

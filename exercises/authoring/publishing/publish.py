@@ -6,7 +6,6 @@ It is a pure function of the assignment's folder. The server fills in ``{{SERVER
 """
 
 import ast
-import inspect
 import json
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -16,7 +15,7 @@ from typing import Any, NamedTuple
 from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, with_ids
 from exercises.authoring.questions.question import Question
-from polhode.notebook.cells import DEFINITION, python_of, statements_of
+from polhode.notebook.cell_source import DEFINITION, python_of, statements_of
 from polhode.notebook.names import names_in
 
 KERNEL = {
@@ -54,33 +53,6 @@ class Section(NamedTuple):
     def names(self) -> list[str]:
         """The names that its questions ask for."""
         return list(dict.fromkeys(name for question in self.questions for name in question.names))
-
-
-def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
-    """Return the cells of an author's notebook where there is none: Setup, and each exercise with its right
-    solutions.
-    """
-    cells = [Cell("markdown", f"# {markdown(title)}", "title")]
-    cells += [Cell("code", setup.strip("\n"), "setup")] if setup.strip() else []
-    written: set[str] = set()
-    for section in sections:
-        cells.append(
-            Cell(
-                "markdown",
-                f"## Exercise {section.number}: {markdown(section.title)}",
-                _id("exercise", section.number),
-            )
-        )
-        for question in section.questions:
-            if not written >= set(question.names):
-                written |= set(question.names)
-                # a function has its docstring in its cell
-                if question.variables and (text := inspect.getdoc(question.solution)):
-                    cells.append(Cell("markdown", text))
-                cells.append(
-                    Cell("code", question.source.strip("\n"), _id("solution", question.id), (SOLUTION,))
-                )
-    return cells
 
 
 def published(
@@ -244,11 +216,6 @@ def _code(source: str, id: str, tag: str) -> Cell:
 
 def _id(what: str, number: str) -> str:
     return re.sub(r"[^a-zA-Z0-9_-]", "-", f"{what}-{number}")[:64]
-
-
-def markdown(text: str) -> str:
-    """Return plain text as Markdown that shows it."""
-    return re.sub(r"([\\`*_{}\[\]<>#$|])", r"\\\1", text)
 
 
 def _json(id: str, cell: Cell) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from polhode.notebook.cells import DEFINITION, python_of, statements_of, without_magics
+from polhode.notebook.cell_source import DEFINITION, python_of, statements_of, without_magics
 
 # tags of cells that students must not see, that install the kit, and that only look at results
 SOLUTION, INSTALL, LOOK = "solution", "install", "look"
@@ -88,37 +88,11 @@ def parse(text: str) -> list[Cell]:
     return [_cell(cell) for cell in json.loads(text)["cells"]]
 
 
-def written(cells: Sequence[Cell]) -> set[str]:
-    """Return the names that the cells bind, other than definitions with an empty body and variables that are
-    None or ``...``.
-    """
-    statements = [s for cell in cells if cell.kind == "code" for s in statements_of(cell.source)]
-    return {name for s in statements if not _is_empty(s.node) for name in s.names.bound}
-
-
-def errors(
-    cells: Sequence[Cell], names: Collection[str], parameters: Mapping[str, Sequence[str]]
-) -> Iterator[str]:
-    """Yield the errors of a notebook whose solutions are ``names``, without the file's name.
-
-    ``parameters`` are those of the solutions that are functions. A function of the notebook must have the
-    same.
-    """
-    bound = set()
+def errors(cells: Sequence[Cell]) -> Iterator[str]:
+    """Yield the errors of a notebook, without the file's name."""
     for number, cell in enumerate((cell for cell in cells if cell.kind == "code"), 1):
-        bound |= cell.bound()
         if python_of(cell.source) is None and not cell.source.lstrip().startswith("%%"):
             yield f"code cell {number} is not valid Python: {_syntax_error(cell.source)}"
-        for node in [s.node for s in statements_of(cell.source)]:
-            if isinstance(node, ast.FunctionDef) and (expected := parameters.get(node.name)) is not None:
-                own = [a.arg for a in (*node.args.posonlyargs, *node.args.args)]
-                if own[: len(expected)] != list(expected):
-                    declared = f"{node.name}({', '.join(expected)})"
-                    yield (
-                        f"code cell {number} defines {node.name}({', '.join(own)}), but assignment.py has"
-                        f" {declared}"
-                    )
-    yield from (f"no cell defines {name}" for name in dict.fromkeys(names) if name not in bound)
 
 
 def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
@@ -215,16 +189,6 @@ def _cell(cell: Mapping[str, Any]) -> Cell:
     }
     tags = tuple(map(str, cell.get("metadata", {}).get("tags", ())))
     return Cell(kind, source, str(cell.get("id", "")), tags, {} if code else shown)
-
-
-def _is_empty(node: ast.AST) -> bool:
-    if isinstance(node, DEFINITION):
-        return all(map(_is_empty, node.body))
-    value = node.value if isinstance(node, ast.Expr | ast.Assign) else None
-    text = isinstance(node, ast.Expr) and isinstance(value, ast.Constant)
-    return (
-        text or isinstance(node, ast.Pass) or (isinstance(value, ast.Constant) and value.value in (None, ...))
-    )
 
 
 def _syntax_error(source: str) -> str:

@@ -1,4 +1,4 @@
-"""What an author passes to the functions that make questions, and the errors of arguments of a wrong type."""
+"""What an author passes to the methods that ask questions, and the errors of arguments of a wrong type."""
 
 import ast
 import inspect
@@ -12,7 +12,6 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from polhode.judging.checks import MOST_POINTS
 from polhode.judging.outcome import Tolerance
 from polhode.kinds.alignment import UP_TO
 
@@ -21,8 +20,8 @@ ARGUMENTS = "fiubU"  # kinds of dtype
 
 class _Short(reprlib.Repr):
     def repr_Tolerance(self, value: Tolerance, level: int) -> str:
-        given = ", ".join(f"{name}={self.repr(of)}" for name, of in tolerance_data(value).items())
-        return f"Tolerance({given})"
+        numbers = ", ".join(f"{name}={self.repr(number)}" for name, number in value.numbers().items())
+        return f"a tolerance of {numbers}"
 
 
 SHORT = _Short()
@@ -76,14 +75,15 @@ Named = Annotated[
         ),
     ),
 ]
-Points = Annotated[int, Rule(f"an integer from 1 to {MOST_POINTS}", lambda n: 1 <= n <= MOST_POINTS)]
 UpTo = Annotated[str, Rule(f"one of: {', '.join(UP_TO)}", UP_TO.__contains__)]
-Limit = Annotated[Tolerance, Rule("Tolerance(limit=…, reason=…)", lambda t: t.limit is not None)]
-Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", lambda t: t.limit is None)]
-Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
+Limit = Annotated[
+    Tolerance, Rule("relative(…, because=…), or at_most for a count", lambda t: t.limit is not None)
+]
+Close = Annotated[Tolerance, Rule("close(rtol=…, atol=…, because=…)", lambda t: t.limit is None)]
+Absolute = Annotated[Tolerance, Rule("absolute(…, because=…)", lambda t: t.atol is not None)]
 
 
-Asked = Annotated[
+Constant = Annotated[
     Any, Rule("a real number, a string, or an array of them", lambda a: np.asarray(a).dtype.kind in ARGUMENTS)
 ]
 
@@ -96,7 +96,7 @@ class Family:
 
     text: Source
     over: tuple[str, ...]
-    given: Mapping[str, Draw | Asked]
+    given: Mapping[str, Draw | Constant]
 
     @property
     def takes_functions(self) -> bool:
@@ -105,7 +105,9 @@ class Family:
         return any(isinstance(one, ast.Name) and one.id in self.over for one in calls)
 
 
-Ask = Annotated[Mapping[str, Family | Draw | Asked], Rule("a dict of arguments by name", lambda ask: True)]
+Given = Annotated[
+    Mapping[str, Family | Draw | Constant], Rule("a dict of arguments by name", lambda given: True)
+]
 
 
 @dataclass(frozen=True)
@@ -139,18 +141,14 @@ class Value:
     """A value that a function returns: its tolerance, its label, and what it leaves ``up_to``
     (polhode.kinds.alignment).
 
-    ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns
-    the points times the fraction of inputs that are right, rounded down. A ``statistic`` of random numbers
-    has a wide tolerance: a mistake is recognised only if it gives the same number to rounding. With ``check``
-    the id of its check is the exercise's number and this name. ``components`` are the names of the numbers of
-    an array.
+    A ``statistic`` of random numbers has a wide tolerance: a mistake is recognised only if it gives the same
+    number to rounding. With ``check`` the id of its check is the exercise's number and this name.
+    ``components`` are the names of the numbers of an array.
     """
 
     tolerance: Tolerance
     label: str | None = None
     up_to: UpTo | None = None
-    points: Points = 1
-    partial: bool = False
     statistic: bool = False
     check: str | None = None
     components: tuple[str, ...] = ()
@@ -161,30 +159,20 @@ Agree = (
     | Value
     | Annotated[Mapping[str, Tolerance | Value], Rule("a dict of them for several values", bool)]
 )
-"""A tolerance, or one with its label and points, of a single value, or those of several values by name."""
+"""A tolerance, or one with its label, of a single value, or those of several values by name."""
 Truth = Named | Itself
 LimitOrValue = (
     Limit
     | Annotated[
-        Value, Rule("Value(Tolerance(limit=…))", lambda v: getattr(v.tolerance, "limit", 0) is not None)
+        Value, Rule("Value(relative(…, because=…))", lambda v: getattr(v.tolerance, "limit", 0) is not None)
     ]
 )
 
 
-def named_values(agree: Agree, label: str | None = None, **of_one: Any) -> dict[str, Value]:
-    """Return the values that a question agrees on by name; a single one, with the other arguments of Value,
-    is "value".
-    """
-    if not isinstance(agree, Tolerance) and (
-        label or of_one.get("up_to") or of_one.get("partial") or of_one.get("points", 1) != 1
-    ):
-        raise ValueError(
-            "label=, up_to=, points= and partial= are for a single Tolerance: give them to each Value(…)"
-            " instead"
-        )
-    if isinstance(agree, Mapping):
-        return {name: value if isinstance(value, Value) else Value(value) for name, value in agree.items()}
-    return {"value": agree if isinstance(agree, Value) else Value(agree, label, **of_one)}
+def named_values(agree: Agree) -> dict[str, Value]:
+    """Return the values that a question agrees on by name; a single one is "value"."""
+    named = agree if isinstance(agree, Mapping) else {"value": agree}
+    return {name: value if isinstance(value, Value) else Value(value) for name, value in named.items()}
 
 
 def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
@@ -211,15 +199,13 @@ def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
     """Yield the errors of a tolerance."""
     numbers = tolerance.numbers().values()
     if not numbers:
-        yield "the tolerance has no number: give rtol, atol or limit"
-    if tolerance.limit is not None and len(numbers) > 1:
-        yield "the tolerance has limit beside rtol or atol: give one or the other"
+        yield "the tolerance has no number"
     if any(
         not (isinstance(number, int | float) and number >= 0 and math.isfinite(number)) for number in numbers
     ):
         yield "a tolerance must be a finite number ≥ 0"
     if not tolerance.reason.strip():
-        yield "the tolerance has no reason"
+        yield "the tolerance has no reason: say it with because="
 
 
 def _split(hint: Any) -> tuple[Any, tuple[Any, ...], list[Rule]]:
@@ -268,7 +254,7 @@ def _text(hint: Any) -> str:
         )
     if kind is Mapping:
         return f"a dict of {_text(of[1])}"
-    return f"{kind.__name__ if kind in (Tolerance, Value) else kind.__name__.lower()}(…)"
+    return f"{kind.__name__}(…)"
 
 
 UNIONS = (typing.Union, UnionType)
@@ -279,4 +265,7 @@ WORDS = {
     float: "a number",
     bool: "True or False",
     Any: "anything",
+    Tolerance: "a tolerance, such as relative(…, because=…)",
+    Family: "expression(…)",
+    Itself: "is_its_own_truth(because=…)",
 }

@@ -2,12 +2,9 @@
 expands to scenes.
 """
 
-import ast
 import functools
 import inspect
 import io
-import sys
-import textwrap
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
@@ -87,27 +84,26 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """One question: ``solution`` (a function or class of the author's file) asked with ``ask``, and its exact
-    answers.
+    """One question: ``solution`` of the notebook asked with ``inputs``, and its exact answers.
 
-    ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions.
-    ``truth`` is called with the arguments and drawn parameters that it names. ``values`` are the returned
-    values by name; a single one has the name "value". ``known`` are further exact numbers by name: constants,
-    or functions called like ``truth``. ``scale`` is called like ``truth``, and with its values by name: a
-    ``limit`` is relative to what it returns for each input. With ``together`` both are called once, with the
-    inputs of all rows along the first index, and so are ``terms``, which a wrong answer may have in addition,
-    by their description. ``role`` is "optional" if the exercise can be done without the function,
+    ``inputs`` maps parameters to constants, draws (functions of a random generator) and families of
+    functions. ``truth`` is called with the arguments and drawn parameters that it names. ``values`` are the
+    returned values by name; a single one has the name "value". ``known`` are further exact numbers by name:
+    constants, or functions called like ``truth``. ``scale`` is called like ``truth``, and with its values by
+    name: a ``limit`` is relative to what it returns for each input. With ``together`` both are called once,
+    with the inputs of all rows along the first index, and so are ``terms``, which a wrong answer may have in
+    addition, by their description. ``role`` is "optional" if the exercise can be done without the function,
     "prerequisite" if it is another exercise's. ``data`` holds what the checks of the kind need, as JSON;
-    ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of ``solution``, a
-    cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further
-    public scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of
-    the assignment's questions of this kind that have one, in order. ``wrong`` are the errors of arguments of
-    a wrong type, by their names.
+    ``errors`` yields errors of what belongs to the kind. ``variables`` names what ``solution``, a cell,
+    assigns: then the question asks for these variables instead of a function. With ``partial`` a ✗ earns the
+    part of its points that the fraction of right inputs is. ``parts`` are further public scenes, played after
+    the public one. ``sweep(questions)`` is a chart of speed against accuracy of the assignment's questions of
+    this kind that have one, in order. ``wrong`` are the errors of arguments of a wrong type, by their names.
     """
 
     kind: str
-    solution: Any
-    ask: Mapping[str, Any]
+    solution: NotebookSolution
+    inputs: Mapping[str, Any]
     values: Mapping[str, Value]
     truth: Callable[..., Any] | Itself | None = None
     call: str | None = None
@@ -118,6 +114,7 @@ class Question:
     terms: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     role: str | None = None
     variables: tuple[str, ...] = ()
+    partial: bool = False
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: Sequence[Mistake | WrittenMistake] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
@@ -134,39 +131,31 @@ class Question:
     @property
     def function(self) -> str:
         """The name of the student's function, or of the first variable."""
-        return self.variables[0] if self.variables else getattr(self.solution, "__name__", self.kind)
+        return self.variables[0] if self.variables else self.solution.__name__
 
     @property
     def file(self) -> str:
-        """The path of the file that declares the question, "" if it is unknown."""
-        if isinstance(self.solution, NotebookSolution):
-            return str(self.solution.solutions.folder / "assignment.py")
-        return inspect.getsourcefile(self.solution) or ""
+        """The path of the file that declares the question."""
+        return str(self.solution.solutions.folder / "assignment.py")
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names that a student's cells must define."""
-        return self.variables or ((self.function,) if self.solution else ())
+        return self.variables or (self.function,)
 
-    @functools.cached_property
+    @property
     def source(self) -> str:
         """The source of the right solution: of a function or class, or of a cell."""
-        if isinstance(self.solution, NotebookSolution):
-            return self.solution.source
-        source = textwrap.dedent(inspect.getsource(self.solution))
-        return cell(source) if self.variables else source
+        return self.solution.source
 
     @functools.cached_property
     def student(self) -> Mapping[str, Any]:
         """The names that the right solution defines."""
-        if self.variables or isinstance(self.solution, NotebookSolution):
-            return self.defined_by(self.source)
-        return {self.function: self.solution}
+        return self.defined_by(self.source)
 
     def defined_by(self, source: str) -> Mapping[str, Any]:
         """Return the names that a source such as that of a mistake defines beside the right solutions."""
-        is_own = isinstance(self.solution, NotebookSolution)
-        names = dict(self.solution.names if is_own else vars(sys.modules[self.solution.__module__]))
+        names = dict(self.solution.names)
         with redirect_stdout(io.StringIO()):  # what a cell prints is not for the output of a command
             exec(compile(source, f"<{self.function}>", "exec"), names)
         return names
@@ -181,7 +170,7 @@ class Question:
         """The constants and draws by name: parameters, and parameters of function arguments."""
         return {
             n: v
-            for name, v in self.ask.items()
+            for name, v in self.inputs.items()
             for n, v in (v.given if isinstance(v, Family) else {name: v}).items()
         }
 
@@ -230,7 +219,7 @@ class Question:
     @functools.cached_property
     def document(self) -> dict[str, Any]:
         """The question as data, with nothing of its solution and without the shapes of its answer."""
-        functions = {name: v for name, v in self.ask.items() if isinstance(v, Family)}
+        functions = {name: v for name, v in self.inputs.items() if isinstance(v, Family)}
         families = {
             name: {"text": v.text, "over": list(v.over), "given": list(v.given)}
             for name, v in functions.items()
@@ -239,7 +228,7 @@ class Question:
             "kind": self.kind,
             "id": self.id,
             "function": self.function,
-            "parameters": list(self.ask),
+            "parameters": list(self.inputs),
             "constants": {
                 name: np.asarray(value).tolist() for name, value in self._given.items() if not callable(value)
             },
@@ -270,7 +259,7 @@ class Question:
         called many times, and each call would pass between the processes several times; its numbers save a
         submission no call of it.
         """
-        families = {name: value for name, value in self.ask.items() if isinstance(value, Family)}
+        families = {name: value for name, value in self.inputs.items() if isinstance(value, Family)}
         if self.data.get("calls"):
             return list(families)
         exact = [one for one in (self.truth, *self.known.values()) if inspect.isroutine(one)]
@@ -320,14 +309,13 @@ class Question:
 
     def _returned(self, name: str, value: Value) -> dict[str, Any]:
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
-        credit = {"points": value.points, "partial": value.partial}
         return {
             "name": name,
             "tolerance": tolerance_data(value.tolerance),
             "label": label,
             "up_to": value.up_to,
             **({"statistic": True} if value.statistic else {}),
-            **credit,
+            **({"partial": True} if self.partial else {}),
             **({"check": value.check} if value.check else {}),
             **({"scaled": True} if self.scale else {}),
             **({"components": list(value.components)} if value.components else {}),
@@ -447,19 +435,6 @@ class Later(Mapping[str, Any]):
 def call_with(function: Callable[..., Any], values: Inputs) -> Any:
     """Call an author's function with those of the ``values`` that its parameters name."""
     return function(**{name: values[name] for name in inspect.signature(function).parameters})
-
-
-def cell(source: str) -> str:
-    """Return the body of a function as the source of a cell, without its return statement.
-
-    >>> cell("def answer():\\n    g = 9.81\\n    return g\\n")
-    'g = 9.81'
-    """
-    (function,) = ast.parse(source).body
-    assert isinstance(function, ast.FunctionDef)
-    body = [part for part in function.body if not isinstance(part, ast.Return)]
-    lines = source.splitlines()[body[0].lineno - 1 : body[-1].end_lineno]
-    return textwrap.dedent("\n".join(lines))
 
 
 def _real(value: Any) -> Any:

@@ -18,8 +18,8 @@ _HOME = {
     "connect": "client.course",
     "submit": "client.remote",
     "submissions": "client.past_submissions",
-    "login": "client.identity",
-    "logout": "client.identity",
+    "login": "client.login",
+    "logout": "client.login",
     "Report": "report.report",
 }
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.assignment import InvalidAssignment
-from exercises.authoring.importing.dependencies import requirements
 from exercises.authoring.importing.importing import imported
+from exercises.authoring.importing.requirements import requirements
 from exercises.authoring.questions.author_notebook import InvalidNotebook
 from service.cli.authoring.new_assignment import CannotScaffold, created
 from service.cli.errors import CommandError

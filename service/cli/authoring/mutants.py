@@ -15,12 +15,12 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from service.cli.arguments import count
 from service.cli.errors import CommandError
-from service.grading.diagnosis.reproduction import play_variants
-from service.grading.jobs import draw_inputs, job_of
+from service.grading.diagnosis.matching_variants import play_variants
+from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 from service.settings import Settings
 

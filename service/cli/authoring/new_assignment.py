@@ -11,7 +11,6 @@ from pathlib import Path
 
 from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.importing.importing import quoted
-from exercises.authoring.publishing.publish import markdown
 from service.cli.errors import CommandError
 
 TEMPLATE = Path(__file__).parent / "template"
@@ -80,7 +79,7 @@ def scaffold(slug: str, title: str, into: Path) -> Path:
     """Create the folder of a new assignment within ``into`` and return it. Raises as ``created`` does."""
     in_file = {
         catalogue.DECLARATION: (quoted(TITLE), quoted(title)),
-        "notebook.ipynb": (f"# {TITLE}", f"# {json.dumps(markdown(title), ensure_ascii=False)[1:-1]}"),
+        "notebook.ipynb": (f"# {TITLE}", f"# {json.dumps(_markdown(title), ensure_ascii=False)[1:-1]}"),
     }
     files = {}
     for name, (old, new) in in_file.items():
@@ -124,3 +123,8 @@ def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Pa
             (folder / file).write_bytes(content)
         folder.rename(goal)
     return goal
+
+
+def _markdown(text: str) -> str:
+    """Return plain text as Markdown that shows it."""
+    return re.sub(r"([\\`*_{}\[\]<>#$|])", r"\\\1", text)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from service.cli.errors import CommandError
-from service.grading.figures import charts
+from service.grading.figures import method_charts
 
 
 def add_chart(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +23,7 @@ def add_chart(parser: argparse.ArgumentParser) -> None:
 
 def _chart(arguments: argparse.Namespace) -> None:
     try:
-        charts.write(charts.measure(), arguments.out)
+        method_charts.write(method_charts.measure(), arguments.out)
     except ModuleNotFoundError as missing:
         if missing.name != "numba":
             raise

@@ -20,10 +20,10 @@ from service.cli.grading.find_files import find_files
 from service.cli.grading.report_folder import ReportFolder
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
-from service.grading.result import GradedFile, summary
+from service.grading.graded_file import GradedFile, summary
 from service.grading.submission import KIB, MIB, SizeLimits
+from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.sandbox.time_budget import TimeLimits
 from service.settings import Settings
 

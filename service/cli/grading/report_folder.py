@@ -11,7 +11,7 @@ from polhode.report.document import document
 from service.cli.output_file import write
 from service.formats import html
 from service.formats.filenames import UniqueNames
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 
 
 class ReportFolder:

@@ -22,7 +22,7 @@ from service.cli.output_file import write
 from service.formats import VISIBILITIES, VISIBLE, classroom50, github, grades, gradescope, junit
 from service.formats.grade_row import rows
 from service.grading.grade import select
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 
 FILES = ("junit", "csv", "gradescope", "classroom50")
 

@@ -1,4 +1,4 @@
-"""The command ``polhode assign``: set or show the deadline and the other settings of an assignment."""
+"""The command ``polhode assign``: publish an assignment, set or show its deadline and other settings."""
 
 import argparse
 import getpass
@@ -18,6 +18,11 @@ def add_assign(parser: argparse.ArgumentParser) -> None:
     # distinguishes an option that is not given from one that removes a limit
     parser.argument_default = argparse.SUPPRESS
     parser.add_argument("slug", help="slug of the assignment")
+    publish = parser.add_mutually_exclusive_group()
+    publish.add_argument("--publish", dest="published", action="store_true", help="show it to students")
+    publish.add_argument(
+        "--draft", dest="published", action="store_false", help="hide it from students, as a new assignment"
+    )
     parser.add_argument(
         "--available-from",
         type=_moment,
@@ -64,12 +69,13 @@ def _assign(arguments: argparse.Namespace) -> None:
         raise CommandError(
             f"the database has no assignment {arguments.slug}: polhode assignments lists the known ones"
         )
+    draft = "" if found.published else "draft, "
     opens = f"available from {_utc(found.available_from)}, " if found.available_from else ""
     due = f"due {_utc(found.due_at)}" if found.due_at else "no deadline"
     limit = found.submission_limit or "unlimited"
     print(
-        f"{arguments.slug}: {opens}{due}, grace period {found.grace_s:g} s, {limit} submissions per student,"
-        f" weight {found.weight:g}"
+        f"{arguments.slug}: {draft}{opens}{due}, grace period {found.grace_s:g} s, {limit} submissions per"
+        f" student, weight {found.weight:g}"
     )
 
 

@@ -106,7 +106,12 @@ async def _add_class(database: Database, chosen: Sequence[Assignment]) -> int:
         await people.enroll(connection, [("local", "instructor"), *roster])
     due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
     for week, assignment in enumerate(chosen):
-        settings = {"due_at": due + timedelta(weeks=week), "grace_s": 3600.0, "weight": 1.0 + (week == 0)}
+        settings = {
+            "published": True,
+            "due_at": due + timedelta(weeks=week),
+            "grace_s": 3600.0,
+            "weight": 1.0 + (week == 0),
+        }
         await assignment_settings.change(database, assignment.slug, settings, BY)
     late = due + timedelta(days=3)
     await deadlines.extend(

@@ -9,12 +9,12 @@ from pathlib import Path
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.catalogue import assignments
 from service.grading.grade import missing_packages
-from service.sandbox.guest import landlock, lockdown
-from service.sandbox.guest.syscalls import MACHINES
-from service.sandbox.isolation import Level
+from service.sandbox.guest.confinement import landlock, lockdown
+from service.sandbox.guest.confinement.syscalls import MACHINES
+from service.sandbox.isolation.levels import Level
+from service.sandbox.isolation.select import IsolationUnavailable, choose, try_namespaces
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
 from service.sandbox.self_test_job import FORBIDDEN
 from service.settings import Settings
 

@@ -24,7 +24,8 @@ from service.auth import oidc
 from service.http.connections import ACCEPTED, Connection, Connections, raise_open_file_limit
 from service.http.live import Listener
 from service.settings import Settings
-from service.store.database import is_outage
+from service.store.database import Database, is_outage
+from service.store.people import first_instructor
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.schema import WrongSchema
 from service.workers.supervisor import Supervisor
@@ -119,13 +120,16 @@ class _Server(uvicorn.Server):
         if self.started and self._announce:
             assert isinstance(self.config.app, FastAPI)
             places = [one.getsockname()[:2] for one in sockets or ()]
-            _print(
-                "listening on"
-                f" {', '.join(f'http://[{h}]:{p}' if ':' in h else f'http://{h}:{p}' for h, p in places)}"
-            )
-            self._announcement = asyncio.create_task(
-                _announce_isolation(self.config.app.state.held[WorkerStatus])
-            )
+            _print(f"listening on {', '.join(_address(host, port) for host, port in places)}")
+            held = self.config.app.state.held
+            secret = await first_instructor.link_secret(held[Database])
+            if secret is not None:
+                address = held[Settings].public_url or _address(*places[0])
+                _print(
+                    f"for a course open {address.rstrip('/')}/start#token={secret} once: it creates the first"
+                    " instructor, and people log in from then on"
+                )
+            self._announcement = asyncio.create_task(_announce_isolation(held[WorkerStatus]))
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         if self._announcement is not None:
@@ -137,6 +141,10 @@ class _Server(uvicorn.Server):
         if (listener := self.config.app.state.held.get(Listener)) is not None:
             listener.leave()
         super().handle_exit(sig, frame)
+
+
+def _address(host: str, port: int) -> str:
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
 async def _announce_isolation(status: WorkerStatus) -> None:

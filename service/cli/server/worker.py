@@ -6,7 +6,7 @@ from service import logs
 from service.cli.arguments import count
 from service.cli.errors import CommandError
 from service.cli.server.database import run_async
-from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.guest.confinement.lockdown import die_with_parent
 from service.settings import Settings
 from service.store.database import is_outage
 from service.store.postgres.server import running_url

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Motion
-from service.grading.jobs import draw_inputs, truth
+from service.grading.sandbox_job import draw_inputs, truth
 
 Array = NDArray[np.float64]
 FRAMES = 120

@@ -13,14 +13,14 @@ from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Figure
 from polhode.judging.outcome import SweepResult
-from polhode.report import drawing
+from polhode.report import figure_files
 from polhode.report.document import read
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.figures import chart_card
 from service.grading.figures.chart_drawing import draw as draw_chart
 from service.grading.grade import Graded
-from service.grading.jobs import draw_inputs, truth
-from service.grading.result import ARRAYS
+from service.grading.graded_file import ARRAYS
+from service.grading.sandbox_job import draw_inputs, truth
 
 FORMATS = {"png": "image/png", "svg": "image/svg+xml"}
 MOST_CALLS, MOST_SECONDS = 10**9, 1e6  # of one solver in a sweep; assignments allow less
@@ -37,7 +37,7 @@ def pack(graded: Graded) -> dict[str, bytes]:
     }
     packed = {ARRAYS: _archive(own)}
     for scene, name in sheets.items():
-        packed[f"animations/{name}.png"] = drawing.contact_sheet(graded.arrays[scene]["frames"])
+        packed[f"animations/{name}.png"] = figure_files.contact_sheet(graded.arrays[scene]["frames"])
     return packed
 
 
@@ -76,7 +76,7 @@ def draw(
     with author_errors(assignment):
         exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
     with author_errors(assignment, numbers=True):
-        return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form, narrow=narrow)
+        return figure_files.draw(figure, [arrays[s.name] for s in scenes], exact, form, narrow=narrow)
 
 
 def prepare(slug: str) -> None:

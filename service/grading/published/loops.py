@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.validation_cells import ReportedLine
-from service.grading.jobs import job_of
+from service.grading.sandbox_job import job_of
 from service.grading.submission import Submission
 from service.sandbox.result import TooBusy
 from service.sandbox.sandbox import Sandbox

@@ -7,8 +7,9 @@
 //   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced.
 //                          If a file is the answer, it is downloaded, and data-downloaded takes the form's place
 //   form[data-drop]        takes a file that is dropped on it; a [data-question] in the page that answers is shown in it, with the file kept
+//   [data-asks=NAMES]      is shown once a field of the form whose name begins so was rejected
 //   select[data-limits=NAME] sets the maximum of the field NAME to data-max of the chosen option, and shows it in the form's [data-limit]
-//   input[data-token]      is filled with the token of a link to /login#token=…
+//   input[data-token]      is filled with the token of a link to /login#token=… or /start#token=…
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
 //   img[data-reload=ID]    is of the part ID, which says more once the image is there
@@ -202,6 +203,7 @@ function refuse(form, detail, pointer) {
   const note = make("p", { className: "refused", id: "refused", textContent: detail });
   note.setAttribute("role", "alert");
   (at.closest("p, label") ?? at).after(note);
+  for (const box of all("[data-asks]", form)) if (field?.name?.startsWith(box.dataset.asks)) box.hidden = false;
   if (at !== field) return;
   at.setAttribute("aria-invalid", "true");
   at.setAttribute("aria-describedby", note.id);
@@ -303,7 +305,7 @@ function fillToken(field) {
   if (!token) return;
   field.value = token;
   history.replaceState(null, "", location.pathname + location.search);
-  field.form.querySelector("button.main").focus();
+  (all("input", field.form).find(one => one.required && !one.value) ?? field.form.querySelector("button.main")).focus();
 }
 
 // ---- initialization

@@ -8,7 +8,7 @@ from polhode.judging.author_errors import SOURCES, author_error
 from polhode.judging.return_value import describe_exception
 
 from .budget import Budget, OutOfTime
-from .limits import limit
+from .confinement.limits import limit
 
 MOST_SENTENCE, MOST_CAUSE = 500, 400
 

@@ -12,7 +12,7 @@ from polhode.judging.return_value import describe_exception
 
 from .calls import LOADED, Channel
 from .run_scenes import prepare
-from .wire import COUNT, FILES, JobReader
+from .wire import COUNT, JobReader
 
 Function = Callable[..., Any]
 
@@ -37,7 +37,7 @@ def run(job_fd: int, calls_fd: int, counts_fd: int) -> None:
 
 
 def _solutions(job: Mapping[str, Any]) -> dict[str | int, Function]:
-    names = prepare(compile(job["setup"], FILES["setup"], "exec")).__dict__
+    names = prepare(job["setup"]).__dict__
     exec(compile(job["source"], "solution.py", "exec"), names)
     return {name: names[name] for name in job["names"]}
 

@@ -1,8 +1,6 @@
 """The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
-import base64
 import functools
-import marshal
 import sys
 import types
 from collections.abc import Callable, Mapping
@@ -14,17 +12,17 @@ import numpy as np
 import polhode
 from polhode.animation import animate
 from polhode.judging.author_errors import AuthorError, author_error, checked_arrays
-from polhode.judging.notes import Absent, noting
+from polhode.judging.remarks import Absent, noting
 from polhode.judging.return_value import is_written, missing
 
 from . import unused_libraries
 from .budget import Budget, limited
 from .calls import LOADED, Channel
-from .cells import Cells, Stopped
-from .claims import Recorder
+from .cells.claims import Recorder
+from .cells.running import Cells, Stopped
 from .ending import Cause, ending
-from .forms import in_form_of
 from .nothing import NOTHING
+from .returned_forms import in_form_of
 from .seal import Seal, in_place, names_used, private_modules
 from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
@@ -53,10 +51,10 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     """
     job, write = JobReader(job_fd).job(), Writer(result_fd)
     try:
-        plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
+        plays, unchanged = _load_plays(job["plays"])
         recorder = Recorder(write)
-        recorder.wrap([job["setup"]["source"], *(source for _, source, _ in job["cells"])])
-        module = prepare(code(job, "setup"))
+        recorder.wrap([job["setup"], *(source for _, source, _ in job["cells"])])
+        module = prepare(job["setup"])
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"], formed=job["formed"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
@@ -64,14 +62,6 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     write.event("prepared")
     with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
         _run(job, plays, module, write, recorder, unchanged=unchanged, reference=reference)
-
-
-def code(job: dict[str, Any], name: str) -> types.CodeType:
-    """Return the code of the ``setup`` or the ``plays`` of a job."""
-    if text := job[name]["code"]:
-        compiled: types.CodeType = marshal.loads(base64.b64decode(text))  # noqa: S302 -- from the host
-        return compiled
-    return compile(job[name]["source"], FILES[name], "exec")
 
 
 class Reference:
@@ -258,12 +248,13 @@ def _private(kinds: bool) -> _Private:
     return _Private(modules, own, seal)
 
 
-def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], None]]:
+def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has
     been replaced.
 
     plays.py gets its own numpy and kit modules.
     """
+    code = compile(source, FILES["plays"], "exec")
     private, plays = _private(KINDS_MODULE in source), Names(__name__="plays")
     with in_place(private.modules):
         exec(code, plays)
@@ -273,7 +264,7 @@ def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], 
     return plays, private.seal.check
 
 
-def prepare(setup: types.CodeType) -> types.ModuleType:
+def prepare(setup: str) -> types.ModuleType:
     """Return the main module of a notebook after its Setup cell.
 
     What belongs to a screen or a server does nothing in it.
@@ -282,7 +273,7 @@ def prepare(setup: types.CodeType) -> types.ModuleType:
         setattr(polhode, name, NOTHING)
     module = types.ModuleType("__main__")
     module.__dict__.update(display=NOTHING, get_ipython=NOTHING)
-    exec(setup, module.__dict__)
+    exec(compile(setup, FILES["setup"], "exec"), module.__dict__)
     sys.modules["__main__"] = module
     return module
 

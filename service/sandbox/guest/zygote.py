@@ -8,9 +8,8 @@ with which the host can kill the child, and after the child's exit its wait stat
 used. With two more descriptors, a job of reference functions and a pipe for their calls, a second child holds
 these and answers calls of the first one (calls.py): it gets the same layers and limits, its pidfd and wait
 status are returned too, and it does not survive the first. The zygote's first message is READY and its
-identity as JSON. On COPY, with a control socket, it forks a copy of itself that obeys that socket. A zygote
-that imports a library of MODULES later does so when it receives IMPORT and the name of one, and answers
-READY.
+identity as JSON. A zygote that imports a library of MODULES later does so when it receives IMPORT and the
+name of one, and answers READY.
 """
 
 import contextlib
@@ -24,10 +23,10 @@ import socket
 import struct
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from .scratch import FULL, WATCH_S, Scratch
+from .confinement.scratch import FULL, WATCH_S, Scratch
 
 NEEDED = {
     "scipy": 95,
@@ -43,7 +42,7 @@ the child ended because its scratch folder was full.
 END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
     "polhode.animation.animation_recording",
-    "guest.lockdown",
+    "guest.confinement.lockdown",
     "guest.reference",
     "guest.run_scenes",
     "hashlib",
@@ -59,9 +58,9 @@ MODULES = {
         "matplotlib.pyplot",
         "mpl_toolkits.mplot3d.art3d",
     ),
-    IPYTHON: ("guest.shell",),
+    IPYTHON: ("guest.cells.shell",),
 }
-IMPORT, COPY = b"import ", b"copy"
+IMPORT = b"import "
 LATER = "libraries-later"
 
 
@@ -74,7 +73,7 @@ def main(
     readable: list[str],
     listable: list[str],
     folders: list[str],
-    scratch: list[str],
+    scratch: str,
     course: list[str],
     libraries: list[str],
 ) -> None:
@@ -82,17 +81,16 @@ def main(
     until one is needed.
 
     ``course`` are the folders with the course's own packages, which import ``libraries``. The scratch folders
-    of children are made in the first folder of ``scratch``, those of each copy in another one if there are
-    enough.
+    of children are made in the folder ``scratch``.
     """
     control = socket.socket(fileno=control_fd)
-    from .lockdown import Layers, die_with_parent, drop_privileges, identity
+    from .confinement.lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
     gc.disable()  # a collection of so many objects takes 20 ms and finds little
     for name in WARM:
         importlib.import_module(name)
-    sys.modules["guest.claims"].course[:] = course
+    sys.modules["guest.cells.claims"].course[:] = course
     if when == LATER:
         importlib.import_module("guest.unused_libraries").install()
     else:
@@ -101,47 +99,32 @@ def main(
         for library in libraries:
             with contextlib.suppress(Exception):  # what fails here fails in the child too, and is named there
                 importlib.import_module(library)
-    importlib.import_module("guest.readable_modules").install()
+    importlib.import_module("guest.confinement.readable_modules").install()
     gc.freeze()
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(
         layers, readable, listable, folders
     )  # before dropping privileges: only root may be able to open the paths
-    rooms = [os.path.abspath(room) for room in scratch]
+    scratch = os.path.abspath(scratch)
     if user is not None:
-        for room in rooms:
-            with contextlib.suppress(PermissionError):  # in namespaces all may write to it
-                os.chown(room, user, user)
+        with contextlib.suppress(PermissionError):  # in namespaces all may write to it
+            os.chown(scratch, user, user)
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
     gc.collect()
     gc.freeze()
     gc.enable()
     control.send(READY + json.dumps(identity()).encode())
-    _obey(control, prepared, rooms)
+    _obey(control, prepared, scratch)
 
 
-def _obey(control: socket.socket, layers: Any, rooms: Sequence[str]) -> None:
+def _obey(control: socket.socket, layers: Any, room: str) -> None:
     """Do what the control socket asks for, until the host closes it."""
-    from .lockdown import identity
-
-    room, copies = rooms[0], 0
     while True:
         message, fds, _, _ = socket.recv_fds(control, 256, 5)
         if message.startswith(IMPORT):
             _import_later(message.removeprefix(IMPORT).decode())
             control.send(READY)
-        elif message == COPY:
-            copies += 1
-            if middle := os.fork():
-                os.waitpid(middle, 0)
-                os.close(fds[0])
-            elif os.fork():
-                os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
-            else:
-                control = socket.socket(fileno=fds[0])  # closes the other one in the copy
-                room = rooms[copies % len(rooms)]
-                control.send(READY + json.dumps(identity()).encode())
         elif fds:
             _play(control, layers, room, PLAY.unpack(message)[0], fds)
         else:
@@ -181,9 +164,9 @@ def _import(library: str) -> None:
     for name in MODULES[library]:
         importlib.import_module(name)
     if library == "matplotlib":
-        importlib.import_module("guest.drawing").install()
+        importlib.import_module("guest.headless_matplotlib").install()
     if library == IPYTHON:
-        sys.modules["guest.shell"].warm_up()
+        sys.modules["guest.cells.shell"].warm_up()
 
 
 def _reap(children: list[int], handles: list[int], scratch: Scratch) -> bytes:
@@ -223,7 +206,7 @@ def _fork_submission(layers: Any, scratch: Scratch, fds: list[int], cpu_s: int) 
     if child := os.fork():
         return child
     try:
-        sys.modules["guest.lockdown"].die_with_parent(zygote)
+        sys.modules["guest.confinement.lockdown"].die_with_parent(zygote)
         scratch.enter()
         layers.own_folder(scratch.path)
     except BaseException:

@@ -1,5 +1,5 @@
-"""Settings of an assignment: from when and until when it is open, how often one may submit, its weight, and
-when the students see scores and the details of hidden checks.
+"""Settings of an assignment: whether it is published, from when and until when it is open, how often one may
+submit, its weight, and when the students see scores and the details of hidden checks.
 
 A setting is a column of the table ``assignment`` and a field of AssignmentSettings.
 """
@@ -20,11 +20,13 @@ RELEASES = ("immediately", "deadline", "manually")
 class AssignmentSettings:
     """What the course staff has set for an assignment.
 
-    Before ``available_from`` students see its title and that time. ``grace_s`` is the time in seconds after
+    Students see nothing of a draft, which is not ``published`` and does not count in the course's total.
+    Before ``available_from`` they see the title and that time. ``grace_s`` is the time in seconds after
     the deadline ``due_at`` in which submissions are accepted and marked late. Without a time or a
     ``submission_limit`` there is no limit. ``scores_release`` and ``details_release`` are one of RELEASES.
     """
 
+    published: bool = False
     available_from: datetime | None = None
     due_at: datetime | None = None
     grace_s: float = 0.0
@@ -61,9 +63,11 @@ async def change_in(
     return AssignmentSettings(**settings)
 
 
-async def opening(database: Database) -> dict[str, datetime]:
-    """Return the time from which an assignment is available by its slug, for those not yet available."""
-    rows = await database.rows(_OPENING, {"course": COURSE})
+async def unavailable(database: Database) -> dict[str, datetime | None]:
+    """Return by slug the assignments that students cannot open: the time from which they can, None for a
+    draft.
+    """
+    rows = await database.rows(_UNAVAILABLE, {"course": COURSE})
     return {row.slug: row.available_from for row in rows}
 
 
@@ -86,9 +90,10 @@ _READ = f"SELECT {', '.join(NAMES)} FROM assignment WHERE {_OF} FOR NO KEY UPDAT
 
 _SET = f"UPDATE assignment SET {', '.join(f'{name} = %({name})s' for name in NAMES)} WHERE {_OF}"
 
-_OPENING = """
-SELECT x.slug, x.available_from FROM assignment x JOIN course c ON c.id = x.course_id
-WHERE c.slug = %(course)s AND x.available_from > now()
+_UNAVAILABLE = """
+SELECT x.slug, CASE WHEN x.published THEN x.available_from END AS available_from
+FROM assignment x JOIN course c ON c.id = x.course_id
+WHERE c.slug = %(course)s AND (NOT x.published OR x.available_from > now())
 """
 
 _RELEASE = f"""

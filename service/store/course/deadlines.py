@@ -1,7 +1,7 @@
 """Extensions: later deadlines for single people, with the reason."""
 
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import datetime, timedelta
 
 from service.store.course import audit
 from service.store.database import Database, Row
@@ -22,6 +22,48 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
         detail = {"assignment": slug, **changed, "reason": reason}
         await audit.record(connection, by, "extension", name, detail)
     return True
+
+
+async def extend_many(
+    database: Database,
+    slugs: Sequence[str],
+    names: Sequence[str],
+    *,
+    due_at: datetime | None,
+    later: timedelta,
+    reason: str,
+    by: str,
+) -> int:
+    """Give these people until ``due_at``, or if that is None until ``later`` after the deadline of each
+    assignment. Return the number of extensions.
+
+    Assignments without a deadline are left out, and who has as late a deadline keeps it.
+    """
+    values = {
+        "slugs": list(slugs),
+        "names": list(names),
+        "course": COURSE,
+        "due": due_at,
+        "later": later,
+        "reason": reason,
+        "by": by,
+    }
+    async with database.begin() as connection:
+        return len(await connection.rows(_EXTEND_MANY, values))
+
+
+async def remove_many(database: Database, slugs: Sequence[str], names: Sequence[str], by: str) -> int:
+    """Remove the extensions of these assignments that these people have. Return their number."""
+    values = {"slugs": list(slugs), "names": list(names), "course": COURSE, "by": by}
+    async with database.begin() as connection:
+        return len(await connection.rows(_REMOVE_MANY, values))
+
+
+async def all_extensions(database: Database) -> Sequence[Row]:
+    """Return the rows of ``extensions`` of all assignments, with their ``slug`` and ``section``, in the order
+    of the class.
+    """
+    return await database.rows(_ALL, {"course": COURSE})
 
 
 async def remove_extension(database: Database, slug: str, name: str, by: str) -> bool:
@@ -71,6 +113,46 @@ SELECT x.id, p.id, %(due)s, %(reason)s, %(by)s {_OF} AND p.name = %(name)s
 ON CONFLICT (assignment_id, person_id) DO UPDATE
     SET due_at = %(due)s, reason = %(reason)s, given_by = %(by)s, given_at = now()
 RETURNING person_id
+"""
+
+# The audit log gets an entry for each person and assignment, as for a single extension.
+_RECORD_MANY = """
+INSERT INTO audit (actor, action, subject, detail)
+SELECT %(by)s, {action}, p.name,
+    jsonb_build_object('assignment', x.slug, 'due', done.due_at, 'reason', done.reason)
+FROM done JOIN person p ON p.id = done.person_id JOIN assignment x ON x.id = done.assignment_id
+ORDER BY x.slug, p.name RETURNING id
+"""
+
+_EXTEND_MANY = f"""
+WITH done AS (
+    INSERT INTO extension (assignment_id, person_id, due_at, reason, given_by)
+    SELECT x.id, p.id, until.due_at, %(reason)s, %(by)s
+    FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id
+        JOIN person p ON p.id = m.person_id
+        JOIN LATERAL (
+            SELECT coalesce(CAST(%(due)s AS timestamptz), x.due_at + CAST(%(later)s AS interval)) AS due_at
+        ) until ON until.due_at > x.due_at
+    WHERE x.slug = ANY(%(slugs)s) AND p.name = ANY(%(names)s) AND c.slug = %(course)s
+    ON CONFLICT (assignment_id, person_id) DO UPDATE
+        SET due_at = excluded.due_at, reason = excluded.reason, given_by = excluded.given_by, given_at = now()
+        WHERE extension.due_at < excluded.due_at
+    RETURNING assignment_id, person_id, due_at, reason
+) {_RECORD_MANY.format(action="'extension'")}"""
+
+_REMOVE_MANY = f"""
+WITH done AS (
+    DELETE FROM extension e USING assignment x, course c, person p
+    WHERE x.id = e.assignment_id AND c.id = x.course_id AND p.id = e.person_id
+        AND x.slug = ANY(%(slugs)s) AND p.name = ANY(%(names)s) AND c.slug = %(course)s
+    RETURNING e.assignment_id, e.person_id, e.due_at, e.reason
+) {_RECORD_MANY.format(action="'extension taken back'")}"""
+
+_ALL = """
+SELECT x.slug, p.name, p.full_name, p.section, e.due_at, e.reason, e.given_by, e.given_at
+FROM extension e JOIN assignment x ON x.id = e.assignment_id JOIN course c ON c.id = x.course_id
+    JOIN person p ON p.id = e.person_id
+WHERE c.slug = %(course)s ORDER BY p.sort_key, p.name, x.due_at, x.slug
 """
 
 _REMOVE = f"""

@@ -118,7 +118,8 @@ ORDER BY p.sort_key, p.name
 
 _OVERVIEW = f"""
 SELECT x.slug, {", ".join(f"x.{name}" for name in assignment_settings.NAMES)},
-    x.scores_released_at, x.details_released_at, coalesce(x.available_from <= now(), true) AS available,
+    x.scores_released_at, x.details_released_at,
+    x.published AND coalesce(x.available_from <= now(), true) AS available,
     coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions,
     coalesce(sent.open, 0) AS open,

@@ -73,7 +73,8 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
         WHERE %(detailed)s AND o.submission_id = b.id AND o.check_id IS NOT NULL
         AND o.withdrawn_at IS NULL) overridden ON true
 WHERE c.slug = %(course)s AND (m.role = 'student' AND CAST(%(person)s AS text) IS NULL OR p.name = %(person)s)
-    AND coalesce(x.slug = CAST(%(slug)s AS text), true) AND {IS_PERSON} ORDER BY x.slug, p.sort_key, p.name
+    AND coalesce(x.slug = CAST(%(slug)s AS text), x.published) AND {IS_PERSON}
+ORDER BY x.slug, p.sort_key, p.name
 """
 
 _SUBMISSIONS = f"""
@@ -101,8 +102,8 @@ WHERE x.slug = %(slug)s ORDER BY o.given_at, o.id
 
 
 async def grades(database: Database, slug: str | None = None, person: str | None = None) -> list[GradeRow]:
-    """Return a row per student, or of one person: of one assignment with check states, or of all assignments
-    without.
+    """Return a row per student, or of one person: of one assignment with check states, or of all published
+    assignments without.
     """
     values = {"slug": slug, "person": person, "course": COURSE, "detailed": slug is not None}
     most = {slug: assignment.max_points() for slug, assignment in assignments().items()}

@@ -9,7 +9,7 @@ import pwd
 import shutil
 from pathlib import Path
 
-from service.sandbox.bubblewrap import find_bubblewrap
+from service.sandbox.isolation.bubblewrap import find_bubblewrap
 
 
 class DatabaseUnavailable(Exception):

@@ -12,7 +12,7 @@ from psycopg.types.json import Jsonb
 
 from polhode.report.document import document
 from polhode.report.report import Report
-from service.grading.result import state
+from service.grading.graded_file import state
 from service.grading.submission import Submission
 from service.store.database import Connection, Database, Row
 from service.store.queue.jobs import PERSON_LOCK, delete_waiting, lock_persons, send_gradings, send_next

@@ -5,7 +5,7 @@ import pytest
 
 from exercises.authoring.publishing import public_side
 from service.grading.grade import grade
-from service.grading.jobs import draw_inputs, job_of, truth
+from service.grading.sandbox_job import draw_inputs, job_of, truth
 from service.grading.submission import Submission
 from tests.support.assignments import known
 from tests.support.checkout import ROOT
@@ -118,7 +118,7 @@ CHANGE, ELEMENTS = "    kepler_eqs.mistake(", '"orbital_elements", inputs'
         ('"a": a, ', "", ELEMENTS, "takes a, which is neither asked nor drawn"),
         ("p = a * (1 - e**2)", "p = a / 0", "p = a * (1 - e**2)", "ZeroDivisionError"),
         ("    @step.rates\n", "", "step.case(", "decorate with @question.rates a function"),
-        ("order=(2, absolute(", "order=(2, relative(", "step.case(", "of order is Tolerance(limit=0.2"),
+        ("order=(2, absolute(", "order=(2, relative(", "step.case(", "order[1] is a tolerance of limit=0.2"),
         ("order=(2, absolute(", "order=(2, relative(", "step.case(", "it must be absolute(…, because=…)"),
         ("until=12,", "until=None,", "ask.right_hand_side(", "a motion needs until= and follow="),
         ('"eccentric_anomaly")', '"eccentric_anomaly", uses=1)', '"eccentric_anomaly")', "leave it out"),

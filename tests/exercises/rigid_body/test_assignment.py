@@ -13,7 +13,7 @@ from exercises.authoring.assignments.catalogue import find
 from exercises.authoring.assignments.sweep import SETTINGS as EVERY
 from exercises.authoring.kinds.motions import MOST_SWEPT
 from exercises.rigid_body.assignment import TILT
-from service.grading.jobs import truth
+from service.grading.sandbox_job import truth
 
 SOURCE = find("rigid-body").setup
 I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)

@@ -14,7 +14,7 @@ from exercises.rigid_body import draws
 from polhode import kinds
 from polhode.judging.judge import Verdict
 from polhode.judging.return_value import WrongAnswer
-from service.grading.jobs import draw_inputs, truth
+from service.grading.sandbox_job import draw_inputs, truth
 
 MOTIONS = (
     draws.long,

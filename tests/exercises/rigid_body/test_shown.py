@@ -7,7 +7,7 @@ import pytest
 
 from exercises.rigid_body.shown import SYMMETRIC
 from polhode.judging.judge import Verdict
-from service.grading.jobs import draw_inputs, truth
+from service.grading.sandbox_job import draw_inputs, truth
 
 # By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth
 # of the first of them. The numbers stand here once more on purpose: a tolerance that changes by mistake

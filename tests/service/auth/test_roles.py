@@ -25,6 +25,8 @@ OPEN = {
     "/docs",
     "/login",
     "/logout",
+    "/start",
+    "/view/stop",
     "/oidc/login",
     "/oidc/callback",
     "/reference",
@@ -129,9 +131,12 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
         "/assignments/{slug}/extensions",
         "/assignments/{slug}/release",
         "/settings",
+        "/setup/course",
+        "/setup/assignments",
     }
     changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}
-    assert changes == {*points, *terms, "/people", "/people/preview"}
+    person = {"/people/add", "/person/edit", "/person/token", "/person/password", "/person/extensions"}
+    assert changes == {*points, *terms, *person, "/extensions", "/people", "/people/preview"}
 
 
 def test_another_site_cannot_submit(browsers):
@@ -146,10 +151,11 @@ def test_every_form_is_checked():
 
     for router in app.PAGES:
         for route in router.routes:
-            # the submission's parser reads its form; the other is in compressed pages
+            # the submission's parser reads its form; the others are in compressed pages
             if route.path in (
                 UPLOAD,
                 "/logout",
+                "/view/stop",
             ):
                 assert same_origin in set(calls(route.dependant))
             elif "POST" in route.methods:

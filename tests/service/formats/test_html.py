@@ -9,8 +9,8 @@ from service.cli.grading.report_folder import ReportFolder
 from service.formats import html
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
-from service.grading.result import GradedFile
-from service.sandbox.select import choose
+from service.grading.graded_file import GradedFile
+from service.sandbox.isolation.select import choose
 from tests.support.guests import lend
 from tests.support.reports import report_of_verdicts
 

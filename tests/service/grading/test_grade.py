@@ -9,7 +9,7 @@ from polhode.judging.judge import Verdict
 from polhode.report.document import document, read
 from polhode.report.report import Report
 from service.grading.grade import UnknownExercise, grade
-from service.grading.jobs import draw_inputs
+from service.grading.sandbox_job import draw_inputs
 from service.grading.submission import Submission
 
 NINE = {

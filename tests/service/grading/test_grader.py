@@ -7,11 +7,11 @@ import pytest
 
 from polhode.report.document import document
 from service.grading import grader
-from service.grading.diagnosis.reproduction import LIMITS
+from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering
 from service.grading.grader import Grader, SweepFailed
 from service.grading.submission import Submission
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeLimits
@@ -97,8 +97,8 @@ def euler_eqs(t, w, I):
         frame.f_locals["calls"][0] = NUMBER
     return np.cross(I * w, w) / I
 """
-TIMED = """import itertools, polhode.judging.timing
-polhode.judging.timing.thread_time = map(lambda n: n * NUMBER, itertools.count()).__next__
+TIMED = """import itertools, polhode.judging.cpu_time
+polhode.judging.cpu_time.thread_time = map(lambda n: n * NUMBER, itertools.count()).__next__
 def euler_eqs(t, w, I):
     return np.cross(I * w, w) / I
 """

@@ -1,4 +1,6 @@
-"""An assignment that is not yet available: students see its title and the date, and the staff sees it all."""
+"""A draft, of which students see nothing, and an assignment that is not yet available, of which they see the
+title and the date; the staff sees it all.
+"""
 
 import json
 from datetime import UTC, datetime, timedelta
@@ -7,10 +9,12 @@ import pytest
 
 from service.store.course import assignment_settings
 from service.store.people import people
+from service.store.schema import migrate
 from tests.support.database import entered, new_database, run
 from tests.support.http_client import call
 
 SLUG, TITLE = "rigid-body", "Rigid-Body Rotation"
+CARD = f'href="/assignments/{SLUG}"'
 OPENS = datetime(2099, 3, 1, 12, tzinfo=UTC)
 OF_STUDENTS = (
     f"/assignments/{SLUG}",
@@ -46,6 +50,18 @@ def available(url):
 
     yield set_time
     set_time(None)
+
+
+@pytest.fixture
+def draft(url):
+    """The assignment is a draft."""
+
+    def publish(yes):
+        run(url, lambda database: assignment_settings.change(database, SLUG, {"published": yes}, "prof"))
+
+    publish(False)
+    yield
+    publish(True)
 
 
 def statuses(server, url, who):
@@ -109,3 +125,40 @@ def test_an_instructor_sets_it_in_the_time_zone_of_the_course(looks, available, 
     assert "2099-05-01" in looks("ann", "/")[1]
     status, page, _ = looks("prof", f"/assignments/{SLUG}/rules", at=at, **fields | {"available_from": "x"})
     assert status == 422 and "expected a date and time" in page
+
+
+def test_students_see_nothing_of_a_draft(server, looks, draft, url):
+    assert CARD not in looks("ann", "/")[1]
+    assert statuses(server, url, "ann") == {404}
+    status, problem = submit(server, url, "ann")
+    assert (status, problem["detail"]) == (404, f"no assignment {SLUG}: check the address")
+    for headers in ({}, {"Authorization": f"Bearer {entered(url, 'ann', role=None)}"}):
+        listed = json.loads(call(server, "/v1/assignments", **headers)[2])
+        assert listed and SLUG not in {one["slug"] for one in listed}
+        assert call(server, f"/v1/assignments/{SLUG}/kit", **headers)[0] == 404
+
+
+def test_the_staff_sees_and_tries_a_draft_which_does_not_count(server, looks, draft, url):
+    for who in ("prof", "helper"):
+        page = looks(who, "/")[1]
+        assert page.index("<h2>Drafts</h2>") < page.index(TITLE)
+        assert statuses(server, url, who) == {200}
+        headers = {"Authorization": f"Bearer {entered(url, who, role=None)}"}
+        assert SLUG in {one["slug"] for one in json.loads(call(server, "/v1/assignments", **headers)[2])}
+    assert submit(server, url, "prof")[0] == 202
+    assert f"{SLUG} points" not in looks("prof", "/grades.csv")[1]
+    assert SLUG in looks("prof", f"/assignments/{SLUG}/grades.json")[1]
+
+
+def test_an_instructor_publishes_a_draft(looks, draft):
+    at = f"/assignments/{SLUG}/class/settings"
+    fields = {"due": "", "grace": "", "most": "", "weight": ""}
+    assert looks("prof", f"/assignments/{SLUG}/rules", at=at, published="yes", **fields)[0] == 200
+    assert CARD in looks("ann", "/")[1]
+    assert looks("prof", f"/assignments/{SLUG}/rules", at=at, **fields)[0] == 200
+    assert CARD in looks("ann", "/")[1], "a form without the field leaves it as it is"
+
+
+def test_a_new_assignment_is_a_draft(empty_url):
+    migrate(empty_url)
+    assert run(empty_url, assignment_settings.unavailable)[SLUG] is None

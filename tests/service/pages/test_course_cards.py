@@ -10,9 +10,11 @@ from service.pages.course_cards import groups, next_deadline
 ORDER = ["a", "b", "c", "d"]
 
 
-def row(slug, days, grace_h=0.0, available=True):
+def row(slug, days, grace_h=0.0, available=True, published=True):
     due = None if days is None else datetime.now(UTC) + timedelta(days=days)
-    return SimpleNamespace(slug=slug, due_at=due, grace_s=3600 * grace_h, available=available)
+    return SimpleNamespace(
+        slug=slug, due_at=due, grace_s=3600 * grace_h, available=available, published=published
+    )
 
 
 def slugs(*rows, own=()):
@@ -50,3 +52,8 @@ def test_one_that_is_not_yet_available_is_neither_open_nor_the_next_one():
 
 def test_without_a_deadline_ahead_there_is_no_next_one():
     assert slugs(row("a", None), row("b", -1))[1] is None and slugs() == ({}, None)
+
+
+def test_drafts_come_last_and_their_deadlines_are_not_ahead():
+    rows = row("a", 1, available=False, published=False), row("b", -3)
+    assert slugs(*rows) == ({"Closed": ["b"], "Drafts": ["a"]}, None)

@@ -55,7 +55,7 @@ def test_every_symbol_of_the_pages_is_in_the_font_that_they_bring():
     files = [
         *PAGES.glob("templates/**/*.html"),
         *PAGES.glob("static/*.js"),
-        *PAGES.parent.glob("grading/result.py"),
+        *PAGES.parent.glob("grading/graded_file.py"),
     ]
     used = set(re.findall("[\u2190-\u2bff]", "".join(file.read_text() for file in files))) - set(COMMON)
     stored, drawn = TTFont(symbols.FILE), symbols.font()

@@ -155,7 +155,7 @@ def test_a_function_nobody_has_written_yet_is_not_attempted(rigid_body, sandbox)
 
 @pytest.mark.slow
 def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monkeypatch):
-    monkeypatch.setattr("service.grading.jobs.Job", partial(Job, load_budget_s=0.25))
+    monkeypatch.setattr("service.grading.sandbox_job.Job", partial(Job, load_budget_s=0.25))
     cells = [RIGHT, *["import time; time.sleep(0.2)"] * 6]
     notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
     submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")

@@ -17,9 +17,9 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import session, zygote
 from service.sandbox.guest_process import GuestProcess
+from service.sandbox.isolation.select import choose
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose
 from service.sandbox.time_budget import WALL_PER_CPU, TimeBudget, TimeLimits
 from tests.service.sandbox.test_sandbox import GOOD, job, scene, zygote_pid
 from tests.support.isolation import BY_THE_HOST

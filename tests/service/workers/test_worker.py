@@ -8,10 +8,10 @@ import time
 import pytest
 
 from service.grading.grader import Grader
-from service.sandbox.select import IsolationUnavailable
+from service.sandbox.isolation.select import IsolationUnavailable
 from service.settings import Settings
 from service.store.queue import workers
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.artefacts import find_artefact
 from service.workers import worker
 from tests.support.database import jump, run, sql
@@ -173,7 +173,7 @@ def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_
     async def swept(database):
         async with worker_on(database_url, NoSandbox()) as worker:
             await worker._sweep(str(waiting))
-        return [await sweeps.request(database, waiting) for _ in range(3)]
+        return [await speed_vs_accuracy.request(database, waiting) for _ in range(3)]
 
     assert run(database_url, swept) == [WHY] * 3
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
@@ -188,8 +188,8 @@ def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(databas
     async def swept(database):
         async with worker_on(database_url, Grader(sandbox)) as worker:
             await worker._sweep(str(grading))
-        return await sweeps.request(database, grading), (
-            await find_artefact(database, grading, sweeps.REFUSED)
+        return await speed_vs_accuracy.request(database, grading), (
+            await find_artefact(database, grading, speed_vs_accuracy.REFUSED)
         )[0]
 
     fault, reason = run(database_url, swept)
@@ -212,14 +212,14 @@ def test_a_sweep_gives_way_to_a_grading_and_is_measured_later(database_url, sand
         async with worker_on(database_url, Grader(sandbox)) as worker:
             for _ in range(2):
                 await worker._sweep(str(grading))
-                found.append(await sweeps.ending(database, grading))
+                found.append(await speed_vs_accuracy.ending(database, grading))
                 async with database.begin() as connection:
                     await connection.execute(f"DELETE FROM {grades}")
         return found
 
     gave_way, measured = run(database_url, swept)
     sandbox.close()
-    assert gave_way is None and measured[0] == sweeps.SWEPT
+    assert gave_way is None and measured[0] == speed_vs_accuracy.SWEPT
     assert sql(database_url, "SELECT priority FROM procrastinate_jobs WHERE task_name = 'sweep'") == [
         (-1000,)
     ]

@@ -5,7 +5,7 @@ from tests.support.breakages.breakage import Breakage
 GRADING = [
     Breakage(
         "drawn scenes do not depend on the seed, so a regrade asks something else",
-        "service/grading/jobs.py",
+        "service/grading/sandbox_job.py",
         "np.random.default_rng([seed, zlib.crc32(scene.name.encode())])",
         "np.random.default_rng()",
         ("tests/service/grading/test_grade.py::test_same_seed_same_report_of_everything_drawn_and_animated",),
@@ -89,8 +89,8 @@ GRADING = [
     Breakage(
         "the author's notebook is no sample",
         "exercises/authoring/mutants/mistakes.py",
-        "if solved := tuple(number for number in numbers if number not in absent):",
-        "if solved := ():",
+        'yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), numbers, right=True)',
+        'yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), (), right=True)',
         ("tests/service/cli/authoring/verify/test_made_samples.py",),
     ),
     Breakage(
@@ -128,11 +128,11 @@ GRADING = [
     ),
     Breakage(
         "a submission that Gradescope did not deliver is a zero",
-        "service/cli/grading/gradescope_autograder.py",
+        "service/cli/grading/run_in_gradescope.py",
         "if not submission.is_dir():",
         "if submission.is_file():",
         (
-            "tests/service/cli/grading/test_gradescope_autograder.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
+            "tests/service/cli/grading/test_run_in_gradescope.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",
         ),
     ),
     Breakage(
@@ -186,7 +186,7 @@ GRADING = [
     ),
     Breakage(
         "points are known after a fault",
-        "service/grading/result.py",
+        "service/grading/graded_file.py",
         "return 0 if self.fault is None else None",
         "return 0",
         ("tests/service/formats/test_grade_row.py",),

@@ -96,10 +96,12 @@ KIT = [
     ),
     Breakage(
         "the kit follows a redirect to another host, with the token",
-        "exercises/kit/polhode/client/http.py",
+        "exercises/kit/polhode/client/transport/http.py",
         "if not same_origin(target, request.url):",
         "if not target:",
-        ("tests/exercises/kit/polhode/client/test_http.py::test_a_redirect_to_another_host_is_not_followed",),
+        (
+            "tests/exercises/kit/polhode/client/transport/test_http.py::test_a_redirect_to_another_host_is_not_followed",
+        ),
     ),
     Breakage(
         "what students get holds the author's notebook, with its solutions",

@@ -143,14 +143,14 @@ PHYSICS = [
     ),
     Breakage(
         "a still picture passes as a moving one",
-        "exercises/kit/polhode/kinds/animation/shown.py",
+        "exercises/kit/polhode/kinds/animation/visibility.py",
         "return share > still, f",
         "return share >= 0, f",
         ("tests/exercises/rigid_body/test_shown.py",),
     ),
     Breakage(
         "a drawing in which nothing moves is not judged",
-        "exercises/kit/polhode/kinds/animation/shown.py",
+        "exercises/kit/polhode/kinds/animation/visibility.py",
         "Shown(False, code, INVISIBLE if invisible else NOTHING)",
         "Shown(None, code, INVISIBLE if invisible else NOTHING)",
         ("tests/exercises/kit/polhode/kinds/animation/body/test_comparing.py",),
@@ -173,7 +173,7 @@ PHYSICS = [
     ),
     Breakage(
         "a picture in which nothing changes but text passes as a moving one",
-        "exercises/kit/polhode/kinds/animation/shown.py",
+        "exercises/kit/polhode/kinds/animation/visibility.py",
         'if share > still and not seen["visible"][0]:',
         "if False:",
         ("tests/exercises/rigid_body/test_shown.py::test_a_picture_whose_text_changes_does_not_move",),
@@ -211,6 +211,6 @@ PHYSICS = [
         "exercises/authoring/kinds/motions.py",
         '            withheld=("motions", "rows"),\n',
         "",
-        ("tests/service/grading/test_jobs.py",),
+        ("tests/service/grading/test_sandbox_job.py",),
     ),
 ]

@@ -5,31 +5,31 @@ from tests.support.breakages.breakage import Breakage
 SANDBOX = [
     Breakage(
         "the filter of system calls is not installed",
-        "service/sandbox/guest/lockdown.py",
+        "service/sandbox/guest/confinement/lockdown.py",
         "seccomp.install(self._machine, self._filter, os.getpid())",
         "pass",
         ("tests/service/sandbox/test_sandbox.py::test_no_network",),
     ),
     Breakage(
         "one resource limit is forgotten",
-        "service/sandbox/guest/lockdown.py",
+        "service/sandbox/guest/confinement/lockdown.py",
         "    resource.RLIMIT_NOFILE: 32,\n",
         "",
-        ("tests/service/sandbox/guest/test_lockdown.py",),
+        ("tests/service/sandbox/guest/confinement/test_lockdown.py",),
     ),
     Breakage(
         "the guest keeps the capabilities it was started with",
-        "service/sandbox/guest/lockdown.py",
+        "service/sandbox/guest/confinement/lockdown.py",
         'call("capset", header, (ctypes.c_uint32 * 6)())',
         "pass",
-        ("tests/service/sandbox/guest/test_lockdown.py",),
+        ("tests/service/sandbox/guest/confinement/test_lockdown.py",),
     ),
     Breakage(
         "the child keeps the open files of the guest",
-        "service/sandbox/guest/lockdown.py",
+        "service/sandbox/guest/confinement/lockdown.py",
         "syscall(CLOSE_RANGE, start, end, 0)",
         "pass",
-        ("tests/service/sandbox/guest/test_lockdown.py",),
+        ("tests/service/sandbox/guest/confinement/test_lockdown.py",),
     ),
     Breakage(
         "the guest stays root",
@@ -47,14 +47,14 @@ SANDBOX = [
     ),
     Breakage(
         "a guest of root does not get the folders below closed ones",
-        "service/sandbox/isolation.py",
+        "service/sandbox/isolation/levels.py",
         "opened = folders if user is not None else []",
         "opened = folders[:0]",
-        ("tests/service/sandbox/test_identity.py",),
+        ("tests/service/sandbox/isolation/test_credentials.py",),
     ),
     Breakage(
         "a submission may list the scratch folder",
-        "service/sandbox/bubblewrap.py",
+        "service/sandbox/isolation/bubblewrap.py",
         "[*map(str, binds), GUEST_CODE, *course, *DEVICES, DATA]",
         "[*map(str, binds), GUEST_HOME, *course, *DEVICES, DATA]",
         (
@@ -64,7 +64,7 @@ SANDBOX = [
     Breakage(
         "a sweep that failed is queued again by every request",
         "service/workers/worker.py",
-        "return sweeps.fault(number, _reason(error))",
+        "return speed_vs_accuracy.fault(number, _reason(error))",
         "raise",
         (
             "tests/service/workers/test_worker.py::test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests",
@@ -72,17 +72,17 @@ SANDBOX = [
     ),
     Breakage(
         "a sweep is queued although its result was stored meanwhile",
-        "service/store/submissions/sweeps.py",
+        "service/store/submissions/speed_vs_accuracy.py",
         "if SWEPT not in stored and REFUSED not in stored:",
         "if not faults:",
-        ("tests/service/store/submissions/test_sweeps.py",),
+        ("tests/service/store/submissions/test_speed_vs_accuracy.py",),
     ),
     Breakage(
         "lost runs of a sweep are not counted",
-        "service/store/submissions/sweeps.py",
+        "service/store/submissions/speed_vs_accuracy.py",
         'begun = {f"sweep.run.{number}": b""} if',
         "begun = {} if",
-        ("tests/service/store/submissions/test_sweeps.py",),
+        ("tests/service/store/submissions/test_speed_vs_accuracy.py",),
     ),
     Breakage(
         "a sweep's seconds are believed",
@@ -155,45 +155,49 @@ SANDBOX = [
     ),
     Breakage(
         "Landlock is no layer any more",
-        "service/sandbox/isolation.py",
+        "service/sandbox/isolation/levels.py",
         'LAYERS = ("landlock", "seccomp", "limits")',
         'LAYERS = ("seccomp", "limits")',
         ("tests/service/sandbox/test_sandbox.py::test_arrays_come_back",),
     ),
     Breakage(
         "a submission may fork and start threads",
-        "service/sandbox/guest/seccomp.py",
+        "service/sandbox/guest/confinement/seccomp.py",
         '"clone": [_step(RETURN, FAIL | errno.EAGAIN)],',
         '"clone": [_step(RETURN, ALLOW)],',
-        ("tests/service/sandbox/guest/test_seccomp.py",),
+        ("tests/service/sandbox/guest/confinement/test_seccomp.py",),
     ),
     Breakage(
         "a submission may ask about any process",
-        "service/sandbox/guest/seccomp.py",
+        "service/sandbox/guest/confinement/seccomp.py",
         "own = _only(0, (0, OWN_PID), refuse)",
         "own = [_step(RETURN, ALLOW)]",
-        ("tests/service/sandbox/guest/test_seccomp.py::test_only_the_own_process_is_asked_about",),
+        (
+            "tests/service/sandbox/guest/confinement/test_seccomp.py::test_only_the_own_process_is_asked_about",
+        ),
     ),
     Breakage(
         "sockets are among the calls allowed",
-        "service/sandbox/guest/syscalls.py",
+        "service/sandbox/guest/confinement/syscalls.py",
         '"getpid": 39,',
         '"getpid": 39, "socket": 41,',
         ("tests/service/sandbox/test_sandbox.py::test_no_network",),
     ),
     Breakage(
         "the guest shares the network of the machine",
-        "service/sandbox/bubblewrap.py",
+        "service/sandbox/isolation/bubblewrap.py",
         '"--unshare-net", ',
         "",
-        ("tests/service/sandbox/test_bubblewrap.py",),
+        ("tests/service/sandbox/isolation/test_bubblewrap.py",),
     ),
     Breakage(
         "a forbidden operation that the self-test finds is ignored before the first submission",
         "service/sandbox/sandbox.py",
         "if result.stdout:",
         "if result.stdout and self.self_tested:",
-        ("tests/service/sandbox/test_select.py::test_the_probe_finds_the_hole_that_a_missing_layer_leaves",),
+        (
+            "tests/service/sandbox/isolation/test_select.py::test_the_probe_finds_the_hole_that_a_missing_layer_leaves",
+        ),
     ),
     Breakage(
         "the process of the reference functions goes on after an invalid frame",
@@ -218,7 +222,7 @@ SANDBOX = [
     ),
     Breakage(
         "a cell's own definition replaces the reference function",
-        "service/sandbox/guest/cells.py",
+        "service/sandbox/guest/cells/running.py",
         "            }\n            self._names |= self._fixed\n",
         "            }\n",
         ("tests/service/grading/test_chains.py",),
@@ -239,10 +243,10 @@ SANDBOX = [
     ),
     Breakage(
         "an array that no running scene was asked for is believed",
-        "service/sandbox/wire.py",
+        "service/sandbox/guest_frames.py",
         "if self.started is None or self.started in self.result.arrays or",
         "if self.started is None or",
-        ("tests/service/sandbox/test_wire.py",),
+        ("tests/service/sandbox/test_guest_frames.py",),
     ),
     Breakage(
         "a submission that claims an error of the author gets a system fault",
@@ -273,7 +277,7 @@ SANDBOX = [
         'if FAULT.format(slug=stored.assignment, error="") in (stored.fault or ""):',
         'if FAULT.format(slug=stored.assignment, error="") in (stored.person or ""):',
         (
-            "tests/service/pages/test_submission.py::test_where_an_assignments_own_code_failed_is_shown_to_the_staff_only",
+            "tests/service/pages/submission/test_page.py::test_where_an_assignments_own_code_failed_is_shown_to_the_staff_only",
         ),
     ),
     Breakage(
@@ -313,7 +317,7 @@ SANDBOX = [
     ),
     Breakage(
         "given cells run with modules that the submission has changed",
-        "service/sandbox/guest/given.py",
+        "service/sandbox/guest/cells/given.py",
         "                    space[key] = value",
         "                    space[key] = other",
         ("tests/system/test_imported_notebooks.py",),
@@ -334,10 +338,10 @@ SANDBOX = [
     ),
     Breakage(
         "an array of another shape than asked for is believed",
-        "service/sandbox/wire.py",
+        "service/sandbox/guest_frames.py",
         "if not within and tuple(shape) != spec.shape:",
         "if not within and len(shape) != len(spec.shape):",
-        ("tests/service/sandbox/test_wire.py",),
+        ("tests/service/sandbox/test_guest_frames.py",),
     ),
     Breakage(
         "a claim of too many numbers is believed",
@@ -355,7 +359,7 @@ SANDBOX = [
     ),
     Breakage(
         "a strict ✗ of a validation word stops the rest of a given cell",
-        "service/sandbox/guest/cells.py",
+        "service/sandbox/guest/cells/running.py",
         "self.statements.goes_on = recorder.has_raised if published else lambda error: False",
         "self.statements.goes_on = lambda error: False",
         (
@@ -365,7 +369,7 @@ SANDBOX = [
     ),
     Breakage(
         "a course's module that never ends its import uses up the grading",
-        "service/sandbox/guest/claims.py",
+        "service/sandbox/guest/cells/claims.py",
         "limited(load, Budget(IMPORT_S))",
         "limited(load, Budget(100 * IMPORT_S))",
         (
@@ -374,10 +378,10 @@ SANDBOX = [
     ),
     Breakage(
         "the guest may make up diagnosis codes",
-        "service/sandbox/wire.py",
+        "service/sandbox/guest_frames.py",
         "code if isinstance(code, str) and code in GUEST_CODES else None",
         "code if isinstance(code, str) else None",
-        ("tests/service/sandbox/test_wire.py",),
+        ("tests/service/sandbox/test_guest_frames.py",),
     ),
     Breakage(
         "what a guest sent before it broke the protocol is believed",
@@ -420,9 +424,9 @@ SANDBOX = [
     ),
     Breakage(
         "a package that may not be read is found",
-        "service/sandbox/guest/readable_modules.py",
+        "service/sandbox/guest/confinement/readable_modules.py",
         "sys.meta_path[sys.meta_path.index(PathFinder)] = ReadableFinder",
         "pass",
-        ("tests/service/sandbox/guest/test_readable_modules.py",),
+        ("tests/service/sandbox/guest/confinement/test_readable_modules.py",),
     ),
 ]

@@ -132,18 +132,18 @@ STORE = [
     ),
     Breakage(
         "a list of one's own submissions has everybody's",
-        "service/store/submissions/history.py",
+        "service/store/submissions/past_submissions.py",
         "WHERE p.name = %(person)s AND x.slug = %(slug)s ORDER BY s.submitted_at DESC LIMIT %(most)s",
         "WHERE CAST(%(person)s AS text) <> '' AND x.slug = %(slug)s ORDER BY s.submitted_at DESC"
         " LIMIT %(most)s",
-        ("tests/service/store/submissions/test_history.py",),
+        ("tests/service/store/submissions/test_past_submissions.py",),
     ),
     Breakage(
         "a submission is compared with somebody else's",
-        "service/store/submissions/history.py",
+        "service/store/submissions/past_submissions.py",
         "JOIN submission b USING (person_id, assignment_id)",
         "JOIN submission b USING (assignment_id)",
-        ("tests/service/store/submissions/test_history.py",),
+        ("tests/service/store/submissions/test_past_submissions.py",),
     ),
     Breakage(
         "a regrade is shown before it is applied",
@@ -314,5 +314,33 @@ STORE = [
         (
             "tests/service/store/queue/test_runs.py::test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one",
         ),
+    ),
+    Breakage(
+        "the link of the first instructor works again",
+        "service/store/people/first_instructor.py",
+        " is None or await _has_instructor(connection):",
+        " is None and await _has_instructor(connection):",
+        ("tests/service/store/people/test_first_instructor.py",),
+    ),
+    Breakage(
+        "the last instructor can give the role away",
+        "service/store/people/editing.py",
+        "if not others.count:",
+        "if others.count:",
+        ("tests/service/store/people/test_editing.py",),
+    ),
+    Breakage(
+        "the second of two who edit a person overwrites the first",
+        "service/store/people/editing.py",
+        "if seen[field] != present[field]",
+        "if seen[field] is None",
+        ("tests/service/store/people/test_editing.py",),
+    ),
+    Breakage(
+        "an extension of many shortens longer ones",
+        "service/store/course/deadlines.py",
+        "WHERE extension.due_at < excluded.due_at",
+        "WHERE true",
+        ("tests/service/store/course/test_deadlines.py",),
     ),
 ]

@@ -8,8 +8,8 @@ from playwright.sync_api import Browser
 
 from polhode.report import report_html
 from service.grading.files import GradedFile, GradeOptions, GradeRequest, grade_file, start_grader
+from service.sandbox.isolation.select import choose, with_packages
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose, with_packages
 from tests.support import author_pages
 from tests.support.assignments import known
 from tests.support.pictures.browser import open_page, save, show

@@ -16,7 +16,7 @@ from polhode.animation import animate
 from polhode.animation.artists import Drawn, drawn, labelled, painted, unordered
 from polhode.animation.axes_decoration import decorated_once
 from polhode.animation.visibility import Visibility, differ
-from polhode.judging.notes import remark
+from polhode.judging.remarks import remark
 from polhode.judging.return_value import WrongAnswer
 
 FRAME_CAP = 600

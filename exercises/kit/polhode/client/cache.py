@@ -15,7 +15,7 @@ import zipfile
 from pathlib import Path
 
 from polhode.client.errors import NotebookError
-from polhode.client.http import call
+from polhode.client.transport.http import call
 
 MADE, CONNECTED = "made.json", "connected.txt"
 PATIENCE_S = 5.0

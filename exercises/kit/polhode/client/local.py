@@ -32,8 +32,8 @@ from polhode.judging.author_errors import (
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Exercise, attempted, points
 from polhode.judging.judge import Verdict
-from polhode.judging.notes import Absent, Notes, noting, unsaid
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
+from polhode.judging.remarks import Absent, Notes, noting, unsaid
 from polhode.judging.return_value import describe_exception, is_written, missing
 from polhode.judging.time_limit import OutOfTime, limited
 from polhode.report.cause import suspect_lines
@@ -282,7 +282,7 @@ def _cells(names: Mapping[str, Any], function: str) -> list[tuple[str, str]]:
 def _draw(
     chosen: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str
 ) -> bytes | None:
-    from polhode.report.drawing import contact_sheet, draw
+    from polhode.report.figure_files import contact_sheet, draw
 
     for figure in (f for e in chosen for f in e.figures if f.name == name):
         return draw(

@@ -8,8 +8,8 @@ from html import escape
 from typing import Any
 
 from polhode.client import course
-from polhode.client.http import CONTACT_S, call
 from polhode.client.tokens import authorization
+from polhode.client.transport.http import CONTACT_S, call
 from polhode.report.report import out_of
 from polhode.report.report_style import fragment
 

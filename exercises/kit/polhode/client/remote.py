@@ -10,11 +10,11 @@ from typing import Any
 
 from polhode.client import course, public_assignment
 from polhode.client.errors import NotebookError
-from polhode.client.health import local_time, outdated
-from polhode.client.http import CONTACT_S, Event, RequestError, call, events
-from polhode.client.identity import JSON
+from polhode.client.login import JSON
 from polhode.client.progress import Line
+from polhode.client.server_status import local_time, outdated
 from polhode.client.tokens import authorization
+from polhode.client.transport.http import CONTACT_S, Event, RequestError, call, events
 from polhode.judging.return_value import is_empty
 from polhode.notebook.gather import Bundle, CannotSend, gather, whole_notebook
 from polhode.notebook.outputs import is_notebook, strip_outputs

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.judging.notes import remark
+from polhode.judging.remarks import remark
 
 ONE_NUMBER = "an array of shape {shape}, which is accepted for a number: use x.item()"
 OVERWRITES = (

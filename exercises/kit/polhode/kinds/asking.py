@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from polhode.judging.exercise import Figure
-from polhode.judging.notes import Absent, absent
+from polhode.judging.remarks import Absent, absent
 from polhode.judging.return_value import (
     WrongAnswer,
     article,

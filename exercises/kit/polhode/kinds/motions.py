@@ -18,12 +18,12 @@ import numpy as np
 
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check
+from polhode.judging.cpu_time import seconds_of_a_call, timed_runs
 from polhode.judging.exercise import Figure, Motion
 from polhode.judging.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
 from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Tolerance
 from polhode.judging.return_value import WrongAnswer, real_array
-from polhode.judging.timing import seconds_of_a_call, timed_runs
 
 # the notebook's settings
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check
+from polhode.judging.cpu_time import seconds_of_a_call, timed_runs
 from polhode.judging.exercise import Figure
 from polhode.judging.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
 from polhode.judging.return_value import WrongAnswer
-from polhode.judging.timing import seconds_of_a_call, timed_runs
 from polhode.kinds.asking import (
     arguments,
     describe,

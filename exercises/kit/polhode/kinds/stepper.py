@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check, close
+from polhode.judging.cpu_time import thread_time
 from polhode.judging.exercise import Figure
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
-from polhode.judging.timing import thread_time
 from polhode.kinds.asking import Counted, arguments, call, flat, part_figure, restart, returned, split
 from polhode.kinds.values import checks, play  # noqa: F401
 from polhode.report.figure_parts import legend_above

@@ -86,7 +86,6 @@ def value_check(
         word,
         Tolerance(**value["tolerance"]),
         locate or describe_row,
-        points=value.get("points", 1),
         arrays=(name,),
     )
 

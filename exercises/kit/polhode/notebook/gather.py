@@ -17,9 +17,9 @@ from typing import Any
 
 from polhode.client.errors import NotebookError
 from polhode.judging.return_value import is_written
+from polhode.notebook.cell_history import History
 from polhode.notebook.dependencies import Bundling
 from polhode.notebook.executed_cells import whole
-from polhode.notebook.history import History
 from polhode.notebook.sources import Sources
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from polhode.notebook.cell_history import History
 from polhode.notebook.fingerprint import fingerprint, fingerprints_in, functions_of, makes, same_defaults
-from polhode.notebook.history import History
 from polhode.notebook.names import Names, names_in
 from polhode.notebook.value_source import import_line, literal, own_file
 

@@ -19,8 +19,8 @@ from service.cli.arguments import count, seed
 from service.cli.authoring.verify.course_packages import import_errors
 from service.cli.authoring.verify.made_samples import declaration_errors, verify_made
 from service.cli.authoring.verify.written_samples import verify_written
-from service.sandbox.isolation import Isolation
-from service.sandbox.select import choose, with_packages
+from service.sandbox.isolation.levels import Isolation
+from service.sandbox.isolation.select import choose, with_packages
 from service.settings import Settings
 
 SEED, SEEDS = 1, 4

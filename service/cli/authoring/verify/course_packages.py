@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import closing
 
 from exercises.authoring.assignments import course_packages
-from service.sandbox.isolation import Isolation
+from service.sandbox.isolation.levels import Isolation
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox

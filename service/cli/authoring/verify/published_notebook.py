@@ -19,7 +19,7 @@ from exercises.authoring.mutants.mistakes import MadeSample
 from exercises.authoring.publishing import public_side, wheel
 from exercises.authoring.questions import author_notebook
 from polhode.client import cache
-from polhode.notebook.cells import python_of, statements_of
+from polhode.notebook.cell_source import python_of, statements_of
 from polhode.report.report import Report
 
 TIME_S = 30.0  # for one sample

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import Verdict
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.sandbox.time_budget import DEFAULT_LIMITS
 
 CPU_FACTOR = 5  # a grading's limit of CPU time, in units of what the right solution uses

@@ -14,8 +14,8 @@ from service.cli.batch_progress import Progress
 from service.cli.output_file import write
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
-from service.grading.result import GradedFile
-from service.sandbox.isolation import Isolation
+from service.grading.graded_file import GradedFile
+from service.sandbox.isolation.levels import Isolation
 
 
 def verify_written(

@@ -27,6 +27,7 @@ def _create_course() -> None:
         slug text NOT NULL UNIQUE,
         title text NOT NULL DEFAULT '',
         term text NOT NULL DEFAULT '',
+        logins boolean NOT NULL DEFAULT false, -- people log in, also on a server without logins
         time_zone text NOT NULL DEFAULT 'UTC',
         -- Shares of the points, from 0 to 1: lost for each day begun, and lost at most.
         late_penalty double precision NOT NULL DEFAULT 0 CHECK (late_penalty BETWEEN 0 AND 1),
@@ -66,6 +67,7 @@ def _create_course() -> None:
         id uuid PRIMARY KEY DEFAULT gen_random_uuid(),
         course_id uuid NOT NULL REFERENCES course,
         slug text NOT NULL,
+        published boolean NOT NULL DEFAULT false,
         available_from timestamptz,
         due_at timestamptz,
         grace_s double precision NOT NULL DEFAULT 0,

@@ -1,11 +1,12 @@
 """Validation calls are found in the cells of a published notebook, with label and place."""
 
+import re
+
 import pytest
 
+from exercises.authoring import Notebook
 from exercises.authoring.importing.validation_calls import calls as calls_of
-from exercises.authoring.importing.validation_cells import Line
 from exercises.authoring.importing.words import words
-from exercises.authoring.questions.author import Notebook
 from tests.support.course_shape import published, written
 
 
@@ -48,36 +49,43 @@ def test_a_call_knows_its_place_and_whether_it_is_inside_a_function():
     )
 
 
-def declared(tmp_path, *lines):
-    written(tmp_path, "sums.ipynb", published())
-    made = Notebook("Sums", notebook="sums.ipynb")
-    made.exercise("1", "Task 1", *lines)
+def declared(tmp_path, *labels, text=None, **truths):
+    """The assignment with lines of these labels, and lines with what is exact by their labels."""
+    written(tmp_path, "sums.ipynb", text or published())
+    made = Notebook("sums.ipynb")
+
+    @made.exercise("1")
+    def task(ask):
+        for label in labels:
+            ask.line(label)
+        for label, truth in truths.items():
+            ask.line(label.replace("_", " "), truth=truth)
+
     return made
 
 
 def test_lines_that_the_notebook_does_not_have_are_errors_with_their_lines(tmp_path):
-    lines = [Line("twice the sum is 20"), Line("no such line"), Line("the area is positive", truth=3.0)]
-    wrong = declared(tmp_path, *lines).errors(tmp_path)
-    assert len(wrong) == 2 and all(
-        error.startswith(f"assignment.py line {lines[0].line}: ") for error in wrong
-    )
+    made = declared(tmp_path, "twice the sum is 20", "no such line", the_area_is_positive=3.0)
+    wrong = made.errors(tmp_path)
+    at = [int(re.match(r"assignment.py line (\d+): ", error)[1]) for error in wrong]
+    assert len(wrong) == 2 and at[1] == at[0] + 2
     assert "no validation cell has, after the lines before, the label 'no such line'" in wrong[0]
     assert "validate.positive has no expected value that truth= could replace" in wrong[1]
 
 
 @pytest.mark.parametrize("truth", ["twenty", float("nan"), {"x": 1}])
 def test_a_truth_that_is_no_number_is_an_error(tmp_path, truth):
-    (error,) = declared(tmp_path, Line("twice the sum is 20", truth=truth)).errors(tmp_path)
+    (error,) = declared(tmp_path, twice_the_sum_is_20=truth).errors(tmp_path)
     assert "it must be numbers, or a function without parameters" in error
 
 
 def test_lines_in_another_order_are_an_error(tmp_path):
-    wrong = declared(tmp_path, Line("the sum is positive"), Line("twice the sum is 20")).errors(tmp_path)
+    wrong = declared(tmp_path, "the sum is positive", "twice the sum is 20").errors(tmp_path)
     assert len(wrong) == 1 and "twice the sum is 20" in wrong[0]
 
 
 def test_the_student_defines_what_the_lines_read(tmp_path):
-    made = declared(tmp_path, Line("twice the sum is 20"), Line("the sum is positive")).assignment(tmp_path)
+    made = declared(tmp_path, "twice the sum is 20", "the sum is positive").assignment(tmp_path)
     (exercise,) = made.exercises
     assert exercise.functions == exercise.variables == ("total",)
     assert made.max_points() == 0 and [check.points for check in exercise.checks] == [0, 0]
@@ -97,10 +105,7 @@ def test_a_call_knows_the_numbers_that_its_text_gives():
 
 def test_a_truth_with_a_tolerance_that_the_cell_computes_is_an_error(tmp_path):
     text = published(checks=('validate.close(total, 10, "ten", atol=3 * sigma)\n', "x = 1\n", "x = 1\n"))
-    written(tmp_path, "sums.ipynb", text)
-    made = Notebook("Sums", notebook="sums.ipynb")
-    made.exercise("1", "Task 1", Line("ten", truth=10))
-    (error,) = made.errors(tmp_path)
+    (error,) = declared(tmp_path, text=text, ten=10).errors(tmp_path)
     assert "the validation cell computes atol, which the student's code could widen" in error
 
 

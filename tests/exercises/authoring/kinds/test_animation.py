@@ -15,6 +15,7 @@ from polhode.kinds import question_checks
 from polhode.kinds.animation.trajectories import followed
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from tests.support.solutions import solution
 from tests.support.toolbox import check_locally, mistaken
 
 PIVOTS = np.array([[-0.7, 0.0], [0.7, 0.0]])
@@ -277,7 +278,9 @@ def planet(t, x):
 
 def test_a_drawn_trajectory_has_a_hidden_scene():
     ask = {"t": ALL / 8, "x": lambda rng: rng.uniform(1, 2) * ORBIT}
-    asked = replace(animation(planet, ask, ("x",), Tolerance(limit=0.03, reason="of a test")), id="1")
+    asked = replace(
+        animation(solution(planet), ask, ("x",), Tolerance(limit=0.03, reason="of a test")), id="1"
+    )
     public, hidden = asked.scenes()
     inputs = [dict(public.inputs), hidden.inputs(np.random.default_rng(5))]
     scales = [float(np.ptp(asked.exact(rows)["x"]) / np.ptp(ORBIT)) for rows in inputs]
@@ -296,19 +299,24 @@ def test_a_drawn_trajectory_has_a_hidden_scene():
 
 
 def test_an_author_gets_the_errors_of_a_declaration():
-    ask = {"t": ALL / 8, "x": ORBIT[:, :2], "y": 0 * ORBIT, "z": ORBIT[:40]}
-    wrong = animation(lambda t, x, y, z: None, ask, ("x", "y", "z"), Tolerance(rtol=0.1, reason="of a test"))
-    assert wrong.wrong == {
-        "agree": ["agree is Tolerance(rtol=0.1, reason='of a test'); it must be Tolerance(limit=…, reason=…)"]
-    }
-    wrong = animation(lambda t, x, y, z: None, ask, ("x", "y", "z"), Tolerance(limit=0.1, reason="of a test"))
+    def draw(t, x, y, z):
+        pass
+
+    given = {"t": ALL / 8, "x": ORBIT[:, :2], "y": 0 * ORBIT, "z": ORBIT[:40]}
+    near = Tolerance(limit=0.1, reason="of a test")
+    wrong = animation(
+        solution(draw), given, ("x", "y", "z"), Tolerance(rtol=0.1, atol=0.0, reason="of a test")
+    )
+    must = "it must be relative(…, because=…), or at_most for a count"
+    assert wrong.wrong == {"agree": [f"agree is a tolerance of rtol=0.1, atol=0.0; {must}"]}
+    wrong = animation(solution(draw), given, ("x", "y", "z"), near)
     assert [error.split(": ", 1)[1] for error in wrong.errors()] == [
         "the trajectories must all have 2 or all have 3 coordinates",
         "the trajectory y does not move",
         "the trajectory z has shape (40, 3); it must be (50, 2) or (50, 3)",
     ]
-    absent = animation(lambda t: None, {"t": ALL}, ("orbit",), Tolerance(limit=0.1, reason="of a test"))
-    assert list(absent.errors()) == ["<lambda>: ask has no orbit"]
+    absent = animation(solution(draw), {"t": ALL}, ("orbit",), near)
+    assert list(absent.errors()) == ["draw has no input orbit"]
 
 
 @pytest.mark.slow

@@ -9,8 +9,8 @@ import sympy
 from polhode.judging.judge import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.isolation.select import choose, with_packages
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose, with_packages
 from tests.support.assignments import known
 from tests.support.toolbox import FOLDER, Toolbox, check_locally, mistaken, right
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
+from exercises.authoring.draws import between
 from exercises.authoring.kinds.fit import fit
-from exercises.authoring.questions.author import uniform
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Tolerance
 from polhode.kinds import question_checks
+from tests.support.solutions import solution
 
 PARAMETERS, COVARIANCE = "parameters", "covariance"
 
@@ -52,12 +53,13 @@ def scaled(x, y, s):
 def test_a_straight_line_by_the_normal_equations(absolute):
     limit = Tolerance(limit=1e-6, reason="of a standard deviation")
     question = fit(
-        line if absolute else scaled,
+        solution(line if absolute else scaled),
         lambda x, a, b: a + b * x,
         x=np.linspace(0, 5, 12),
         sigma=0.3,
-        drawn={"a": uniform(-3, 3), "b": uniform(-1, 1)},
-        agree=(limit, limit),
+        drawn={"a": between(-3, 3), "b": between(-1, 1)},
+        parameters=limit,
+        covariance=limit,
         absolute_sigma=absolute,
     )
     assert failed(question, {question.function: line if absolute else scaled}) == []
@@ -83,8 +85,16 @@ def lorentz(x, A, x0, g):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_model_with_two_equal_minima_has_the_one_that_was_drawn(seed):
-    drawn = {"A": uniform(0.8, 2), "x0": uniform(1, 2), "g": uniform(0.3, 0.8)}
+    drawn = {"A": between(0.8, 2), "x0": between(1, 2), "g": between(0.3, 0.8)}
     near = Tolerance(limit=1e-3, reason="of a standard deviation")
-    question = fit(resonance, lorentz, x=np.linspace(0, 3, 40), sigma=0.05, drawn=drawn, agree=(near, near))
+    question = fit(
+        solution(resonance),
+        lorentz,
+        x=np.linspace(0, 3, 40),
+        sigma=0.05,
+        drawn=drawn,
+        parameters=near,
+        covariance=near,
+    )
     assert not list(question.errors() if question.errors else ())
     assert np.all(question.exact(question.draw(np.random.default_rng(seed), 4))["parameters"][:, 2] > 0)

@@ -10,7 +10,7 @@ from exercises.authoring.assignments.catalogue import find
 from exercises.authoring.kinds.motions import ALONG
 from polhode.judging.judge import Verdict
 from polhode.kinds import play
-from service.grading.jobs import draw_inputs, truth
+from service.grading.sandbox_job import draw_inputs, truth
 
 FORMULAS = {
     "terms": lambda t, w, I: [

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 
 from exercises.authoring.assignments.sweep import compared
+from exercises.authoring.draws import between
 from exercises.authoring.kinds.ode import ode
-from exercises.authoring.questions.author import Tolerance, uniform
 from exercises.authoring.questions.question_errors import question_errors
 from polhode.judging.author_errors import AuthorError
+from polhode.judging.outcome import Tolerance
 from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.grader import Grader
 from service.grading.submission import Submission
+from tests.support.solutions import solution
 from tests.support.toolbox import failed, judged, mistaken, question_of, right
 
 NEAR = Tolerance(limit=1e-9, reason="integration")
@@ -66,11 +68,11 @@ def test_a_scalar_state_with_a_partial_closed_form_and_a_conserved_quantity():
         return -k * y
 
     question = ode(
-        decay,
-        ask={"y": uniform(1, 2), "k": uniform(0.1, 1)},
+        solution(decay),
+        inputs={"y": between(1, 2), "k": between(0.1, 1)},
         agree=Tolerance(limit=1e-13, reason="rounding"),
         motion=lambda t, y, k: y * np.exp(-k * t),
-        t_end=3.0,
+        until=3.0,
         follow=NEAR,
         conserved={"y exp(kt)": ("y * exp(k * t)", NEAR)},
     )
@@ -89,16 +91,16 @@ def test_a_closed_form_of_the_wrong_shape_is_the_authors_error():
 
     tolerance = Tolerance(limit=1e-9, reason="integration")
     question = ode(
-        decay,
-        {"y": uniform(1, 2), "k": uniform(0, 1)},
+        solution(decay),
+        {"y": between(1, 2), "k": between(0, 1)},
         tolerance,
         motion=lambda y, k: y,
-        t_end=3.0,
+        until=3.0,
         follow=tolerance,
     )
     with pytest.raises(
         AuthorError,
-        match=r"test_ode.py line \d+: .* the closed form returned shape \(1, 1\), not \(k, 201\) with k ≤ 1",
+        match=r"assignment.py line \d+: .* closed form returned shape \(1, 1\), not \(k, 201\) with k ≤ 1",
     ):
         judged(question, decay)
 
@@ -165,8 +167,8 @@ def test_speed_against_accuracy_follows_from_the_truth_too_where_there_is_no_clo
 @pytest.mark.parametrize(
     ("changed", "error"),
     [
-        ({"follow": None}, "a motion needs t_end and follow, its tolerance"),
-        ({"t_end": None}, "a motion needs t_end and follow, its tolerance"),
+        ({"follow": None}, "a motion needs until= and follow=, its tolerance"),
+        ({"until": None}, "a motion needs until= and follow=, its tolerance"),
         ({"motion": lambda t, y, q: y}, "the closed form takes q, which is neither asked nor drawn"),
         (
             {"conserved": {"E": ("y * q", NEAR)}},
@@ -174,9 +176,9 @@ def test_speed_against_accuracy_follows_from_the_truth_too_where_there_is_no_clo
         ),
         (
             {"conserved": {"E": ("y", Tolerance(limit=1.0, reason=""))}},
-            "decay: conserved: E[1]: the tolerance has no reason",
+            "decay: conserved: E[1]: the tolerance has no reason: say it with because=",
         ),
-        ({"state": "x"}, "ask has no x, the state: name it with state="),
+        ({"state": "x"}, "there is no input x, the state: name it with state="),
     ],
 )
 def test_an_error_of_the_declaration_is_reported(changed, error):
@@ -185,9 +187,9 @@ def test_an_error_of_the_declaration_is_reported(changed, error):
 
     given = {
         "motion": lambda t, y, k: y * np.exp(-k * t),
-        "t_end": 3.0,
+        "until": 3.0,
         "follow": NEAR,
         "conserved": {"E": ("y", NEAR)},
     }
-    question = ode(decay, {"y": uniform(1, 2), "k": uniform(0.1, 1)}, NEAR, **given | changed)
+    question = ode(solution(decay), {"y": between(1, 2), "k": between(0.1, 1)}, NEAR, **given | changed)
     assert [found.split(": ", 1)[1] for found in question_errors(question)] == [error]

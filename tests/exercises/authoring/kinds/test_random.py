@@ -8,16 +8,18 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
+from exercises.authoring.draws import between
 from exercises.authoring.kinds.random import estimate, generator, samples, seed
-from exercises.authoring.questions.author import Tolerance, uniform
 from exercises.authoring.questions.question_errors import question_errors
 from polhode.judging.judge import Verdict
+from polhode.judging.outcome import Tolerance
 from polhode.kinds import question_checks
 from polhode.kinds.random import ESTIMATES, SAMPLES
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
 from tests.support.author_notebooks import declared
+from tests.support.solutions import solution
 from tests.support.toolbox import mistaken
 
 MISTAKES = {
@@ -75,9 +77,9 @@ def integral(n, rng):
     return rng.random(n).mean()
 
 
-NOISE = samples(noise, {"n": 200, "seed": seed()}, "norm", loc=0, scale=1, rows=(1, 2000))
+NOISE = samples(solution(noise), {"n": 200, "seed": seed()}, "norm", loc=0, scale=1, rows=(1, 2000))
 INTEGRAL = estimate(
-    integral, {"n": 100, "rng": generator()}, 0.5, sd=lambda n: 1 / sqrt(12 * n), rows=(1, 2000)
+    solution(integral), {"n": 100, "rng": generator()}, 0.5, sd=lambda n: 1 / sqrt(12 * n), rows=(1, 2000)
 )
 
 
@@ -135,12 +137,12 @@ def test_two_rare_events_in_succession_are_no_correlation():
     ],
 )
 def test_samples_with_an_integer_seed(source, names):
-    question = replace(NOISE, ask={"n": 5000, "seed": seed()}, rows=(1, 2), id="1")
+    question = replace(NOISE, inputs={"n": 5000, "seed": seed()}, rows=(1, 2), id="1")
     assert failed(question, question.defined_by(source)) == names
 
 
 def test_a_standard_distribution_needs_no_parameters():
-    question = replace(samples(noise, {"n": 500, "seed": seed()}, "norm"), id="1")
+    question = replace(samples(solution(noise), {"n": 500, "seed": seed()}, "norm"), id="1")
     assert not list(question_errors(question)) and failed(question, question.student) == []
 
 
@@ -149,8 +151,8 @@ def die(n, p, seed):
 
 
 LOADED = samples(
-    die,
-    {"n": 500, "p": uniform(0.2, 0.8), "seed": seed()},
+    solution(die),
+    {"n": 500, "p": between(0.2, 0.8), "seed": seed()},
     "rv_discrete",
     values=lambda p: [[1, 6], [1 - p, p]],
 )
@@ -169,8 +171,8 @@ def test_an_allowed_systematic_error_is_not_rejected():
     biased = "def integral(n, rng):\n    return rng.random(n).mean() + 0.02"
     exact = replace(INTEGRAL, rows=(1, 2))
     allowed = estimate(
-        integral,
-        dict(INTEGRAL.ask),
+        solution(integral),
+        dict(INTEGRAL.inputs),
         0.5,
         sd=lambda n: 1 / sqrt(12 * n),
         bias=Tolerance(atol=0.03, reason="the step"),
@@ -211,8 +213,9 @@ NEAR = Tolerance(limit=0.08, reason="errors from batches scatter by 1 %")
 )
 def test_the_mean_of_the_returned_errors(error, names):
     wide = Tolerance(limit=0.25, reason="five times the spread of an error")
-    ask, sd = {"n": 400, "rng": generator()}, 1 / sqrt(12 * 400)
-    question = replace(estimate(mean_and_error, ask, 0.5, sd=sd, error=wide, mean_error=NEAR), id="1")
+    inputs, sd = {"n": 400, "rng": generator()}, 1 / sqrt(12 * 400)
+    asked = estimate(solution(mean_and_error), inputs, 0.5, sd=sd, error=wide, mean_error=NEAR)
+    question = replace(asked, id="1")
     names_of = question.defined_by(
         f"def mean_and_error(n, rng):\n    x = rng.random(n)\n    return x.mean(), {error}"
     )
@@ -220,10 +223,8 @@ def test_the_mean_of_the_returned_errors(error, names):
 
 
 def test_the_mean_error_alone_needs_no_error():
-    question = replace(
-        estimate(mean_and_error, {"n": 400, "rng": generator()}, 0.5, sd=1 / sqrt(12 * 400), mean_error=NEAR),
-        id="1",
-    )
+    inputs, sd = {"n": 400, "rng": generator()}, 1 / sqrt(12 * 400)
+    question = replace(estimate(solution(mean_and_error), inputs, 0.5, sd=sd, mean_error=NEAR), id="1")
     assert not list(question_errors(question)) and failed(question, question.student) == []
     ids = [check.id.rpartition("-")[2] for check in question_checks(question.asked, "scene", False)]
     assert ids == ["mean", "spread", "mean_error", "repeated"]

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+from exercises.authoring.draws import array_of, between, expression
 from exercises.authoring.kinds.stepper import euler, heun, midpoint, rk4, stepper
-from exercises.authoring.questions.author import Tolerance, family, uniform
 from exercises.authoring.questions.question_errors import question_errors
 from polhode import kinds
+from polhode.judging.outcome import Tolerance
 from polhode.kinds import stepper as kit
-from polhode.report.drawing import draw
+from polhode.report.figure_files import draw
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from tests.support.solutions import solution
 from tests.support.toolbox import failed, judged, mistaken, question_of
 
 
@@ -83,16 +85,16 @@ def implicit_midpoint(f, t, y, h):
 def test_order_and_stability_limit_of_known_methods(step, order, limit, h):
     """They hold for small and for large steps, where rounding and the first steps spoil some runs."""
     question = stepper(
-        step,
-        ask={
-            "f": family("A @ y + cos(t) - y**3", "t", "y", A=uniform(-1, 1, 2, 2)),
+        solution(step),
+        inputs={
+            "f": expression("A @ y + cos(t) - y**3", of="t y", A=array_of((2, 2), between(-1, 1))),
             "t": 0.5,
-            "y": uniform(-1, 1, 2),
+            "y": array_of(2, between(-1, 1)),
             "h": h,
         },
         agree=Tolerance(limit=1e-6, reason="the iteration"),
         order=(order, Tolerance(atol=0.3, reason="first steps")),
-        stability=(limit, Tolerance(rtol=1e-3, atol=0, reason="four digits")),
+        stable_to=(limit, Tolerance(rtol=1e-3, atol=0, reason="four digits")),
     )
     outcomes = judged(question, step)
     assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
@@ -106,11 +108,11 @@ def test_a_scalar_state_beside_an_array_and_a_constant_step():
 
     rounding = Tolerance(limit=1e-13, reason="rounding")
     question = stepper(
-        step,
-        ask={
-            "f": family("-sin(a) - q", "a", q=uniform(0, 1)),
-            "a": uniform(0, 1),
-            "v": uniform(1, 2, 2),
+        solution(step),
+        inputs={
+            "f": expression("-sin(a) - q", of="a", q=between(0, 1)),
+            "a": between(0, 1),
+            "v": array_of(2, between(1, 2)),
             "h": 0.1,
         },
         agree={"a": rounding, "v": rounding},
@@ -122,17 +124,17 @@ def test_a_scalar_state_beside_an_array_and_a_constant_step():
     assert failed(wrong) == {"-v", "-order", "-new-v"} and wrong["-order"].measured < 0.1
 
 
+NO_REASON = "step: order[1]: the tolerance has no reason: say it with because="
+
+
 @pytest.mark.parametrize(
     ("changed", "error"),
     [
-        ({"ask": {"t": 0.0, "y": 1.0, "h": 0.1}}, "a stepper needs a function argument: family(…)"),
+        ({"inputs": {"t": 0.0, "y": 1.0, "h": 0.1}}, "a step needs a function argument: expression(…)"),
         ({"state": "x"}, "it has no parameter x"),
         ({"test": "-z"}, "the test problem: '-z' uses z, which is neither a variable nor a parameter"),
-        ({"order": (1, Tolerance(atol=0.1, reason=""))}, "step: order[1]: the tolerance has no reason"),
-        (
-            {"stability": (2, Tolerance(reason="none"))},
-            "step: stability[1]: the tolerance has no number: give rtol, atol or limit",
-        ),
+        ({"order": (1, Tolerance(atol=0.1, reason=""))}, NO_REASON),
+        ({"stable_to": (2, Tolerance(reason="none"))}, "step: stable_to[1]: the tolerance has no number"),
     ],
 )
 def test_an_error_of_the_declaration_is_reported(changed, error):
@@ -140,11 +142,9 @@ def test_an_error_of_the_declaration_is_reported(changed, error):
         return y + h * f(t, y)
 
     near = Tolerance(limit=1e-13, reason="rounding")
-    ask = {"f": family("-y", "t", "y"), "t": 0.0, "y": uniform(0, 1), "h": 0.1}
-    found = [
-        one.split(": ", 1)[1]
-        for one in question_errors(stepper(step, **{"ask": ask, "agree": near, "truth": euler} | changed))
-    ]
+    inputs = {"f": expression("-y", of="t y"), "t": 0.0, "y": between(0, 1), "h": 0.1}
+    given = {"inputs": inputs, "agree": near, "truth": euler} | changed
+    found = [one.split(": ", 1)[1] for one in question_errors(stepper(solution(step), **given))]
     assert error in found
 
 

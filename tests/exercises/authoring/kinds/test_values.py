@@ -6,8 +6,9 @@ import sys
 import numpy as np
 import pytest
 
+from exercises.authoring.draws import array_of, between, integer
 from exercises.authoring.kinds.values import values
-from exercises.authoring.questions.author import integers, uniform
+from exercises.authoring.questions.declared import Value
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.judge import RowsRight, Verdict
 from polhode.judging.outcome import Tolerance
@@ -16,6 +17,7 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
 from tests.support.author_notebooks import declared
+from tests.support.solutions import solution
 from tests.support.toolbox import check_locally, failed, judged, mistaken, question_of, right
 
 
@@ -188,11 +190,11 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
         right, rows = outcome.partial.right, outcome.partial.rows
         assert outcome.verdict is Verdict.FAIL and outcome.earned == 4 * right // rows
         assert outcome.notes()[-1] == f"{right} of {rows} inputs are right: {outcome.earned} of 4 points"
-    assert report.score == public.earned + hidden.earned + 2 and report.max_score == 10
+    assert report.score == public.earned + hidden.earned + 8 and report.max_score == 16
     of = "[outcome.line, outcome.earned, outcome.points, outcome.notes()], report.summary()"
     local, summaries = zip(*json.loads(check_locally("toolbox", PARTLY, tmp_path, f"[{of}]")), strict=True)
     assert (
-        summaries[0].startswith(f"{public.earned + 1} of ") and "points of the public checks" in summaries[0]
+        summaries[0].startswith(f"{public.earned + 4} of ") and "points of the public checks" in summaries[0]
     )
     assert list(local) == [[o.line, o.earned, o.points, o.notes()] for o in report.outcomes() if not o.hidden]
 
@@ -338,7 +340,7 @@ def turned(x):
 
 
 @pytest.mark.parametrize(
-    ("solution", "shape", "up_to", "reason"),
+    ("function", "shape", "up_to", "reason"),
     [
         (double, (), "order", r"is for a list, but the right solution returned shape \(\)"),
         (double, (2,), "span", r"is for a matrix, but the right solution returned shape \(2,\)"),
@@ -346,18 +348,19 @@ def turned(x):
         (double, (2, 2), "column phases", "is for complex numbers"),
     ],
 )
-def test_what_a_value_leaves_open_must_fit_it(solution, shape, up_to, reason):
-    question = values(solution, {"x": uniform(0, 1, *shape)}, NEAR, truth=lambda x: x, up_to=up_to)
+def test_what_a_value_leaves_open_must_fit_it(function, shape, up_to, reason):
+    inputs = {"x": array_of(shape, between(0, 1))}
+    question = values(solution(function), inputs, Value(NEAR, up_to=up_to), truth=lambda x: x)
     with pytest.raises(AuthorError, match=f"up_to='{up_to}' {reason}"):
         list(next(question.scenes()).question)
 
 
 @pytest.mark.parametrize(
-    ("solution", "ask", "truth", "reason"),
+    ("function", "inputs", "truth", "reason"),
     [
         (
             up_to_zero,
-            {"n": integers(3, 9)},
+            {"n": integer(3, 9)},
             lambda n: np.arange(n + 1)[::-1],
             (
                 r"up_to_zero must return shape \(\d+,\); it returned shape \(\d+,\); shape and type must be"
@@ -372,7 +375,7 @@ def test_what_a_value_leaves_open_must_fit_it(solution, shape, up_to, reason):
         ),
         (
             double,
-            {"x": uniform(1, 2, 3)},
+            {"x": array_of(3, between(1, 2))},
             lambda x: x[:2],
             r"the truth does not answer as .* shape \(3,\); it returned shape \(2,\)",
         ),
@@ -384,27 +387,27 @@ def test_what_a_value_leaves_open_must_fit_it(solution, shape, up_to, reason):
         ),
         (
             word,
-            {"x": uniform(1, 2)},
+            {"x": between(1, 2)},
             lambda x: "large",
             "word returned 'large'; it must return numbers, booleans, or arrays",
         ),
         (
             missing,
-            {"x": uniform(1, 2)},
+            {"x": between(1, 2)},
             lambda x: x,
             "missing returned nan; ask it for inputs where its answer is finite",
         ),
         (
             double,
-            {"x": uniform(1, 2)},
+            {"x": between(1, 2)},
             missing,
             "the truth does not answer as .*: double returned a value that is not finite",
         ),
     ],
 )
-def test_a_type_or_shape_that_cannot_be_asked_is_the_author_s_error(solution, ask, truth, reason):
-    question = values(solution, ask, truth=truth, agree=NEAR)
-    with pytest.raises(AuthorError, match=rf"test_values.py line \d+: question : \w+: .*{reason}"):
+def test_a_type_or_shape_that_cannot_be_asked_is_the_author_s_error(function, inputs, truth, reason):
+    question = values(solution(function), inputs, truth=truth, agree=NEAR)
+    with pytest.raises(AuthorError, match=rf"assignment.py line \d+: question : \w+: .*{reason}"):
         for scene in question.scenes():
             scene.truth(scene.inputs(np.random.default_rng(1)) if callable(scene.inputs) else scene.inputs)
 

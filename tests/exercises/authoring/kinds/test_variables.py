@@ -2,15 +2,15 @@
 
 import pytest
 
-from exercises.authoring.kinds.variables import claim, variables
-from exercises.authoring.questions.question_errors import question_errors
+from exercises.authoring.kinds.variables import variables
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from tests.support.assignments import known
+from tests.support.author_notebooks import declared
+from tests.support.solutions import cell
 from tests.support.toolbox import mistaken
-
-CLOSE = Tolerance(rtol=1e-9, reason="rounding")
 
 
 def cells(toolbox):
@@ -84,33 +84,44 @@ def test_numbers_of_other_types_are_accepted(toolbox, sandbox):
     assert found.passed, found.text()
 
 
-def free_fall():
-    g_fit = 9.81
-    error = 0.02
-    return g_fit, error
+FREE_FALL = """
+from exercises.authoring import Notebook, close
+
+notebook = Notebook("notebook.ipynb")
 
 
-def test_the_errors_of_a_declaration():
-    right = variables(
-        free_fall,
-        {"g_fit": 9.81},
-        agree={"g_fit": CLOSE},
-        claims=[claim("error < 0.1", "it is small", reason="1 %")],
-    )
-    assert list(question_errors(right)) == [] and right.source == "g_fit = 9.81\nerror = 0.02"
-    wrong = variables(free_fall, {}, agree={"g_fit": CLOSE, "h_fit": CLOSE})
-    found = [error.partition(": ")[2] for error in question_errors(wrong)]
-    no_truth = "has no truth: give a number or a function that computes it"
-    assert found == ["the cell does not assign h_fit", f"g_fit {no_truth}", f"h_fit {no_truth}"]
+@notebook.exercise("1")
+def free_fall(ask):
+    fitted = ask.cell("g_fit")
+    fitted.truth("g_fit", 9.81, agree=close(rtol=1e-9, atol=0, because="rounding"))
+    fitted.claim("error < 0.1", "it is small", because="1 %")
+"""
 
 
-def printing():
-    ratio = 0.5
-    print("a line in the middle of a JSON document")
-    return ratio
+@pytest.mark.parametrize(
+    ("old", "new", "errors"),
+    [
+        ("g_fit", "g_fit", []),
+        ('"g_fit"', '"h_fit"', ["no solution cell of the notebook assigns h_fit"]),
+        (
+            'cell("g_fit")',
+            'cell("g_fit other")',
+            ["other has no truth and no claim: give one, or do not ask for it"],
+        ),
+        ('"g_fit", 9.81', '"g_fit"', ["g_fit has no truth: give a number or a function that computes it"]),
+        ("error <", "spread <", ["the cell does not assign spread"]),
+    ],
+)
+def test_the_errors_of_a_declaration(tmp_path, old, new, errors):
+    solution = "g_fit = 9.81\nerror = 0.02\nother = 1"
+    folder = declared(tmp_path / "falling", FREE_FALL.replace(old, new), solution)
+    with known(folder) as catalogue:
+        found = catalogue.invalid["falling"].errors if catalogue.invalid else []
+    assert [error.partition(": ")[2] for error in found] == errors
 
 
 def test_what_a_cell_prints_is_not_output_of_the_command(capsys):
-    question = variables(printing, {"ratio": 0.5}, agree={"ratio": Tolerance(limit=1e-9, reason="rounding")})
-    assert question.student["ratio"] == 0.5
+    printing = cell("ratio = 0.5\nprint('a line in the middle of a JSON document')", "ratio")
+    near = Tolerance(limit=1e-9, reason="rounding")
+    assert variables(printing, {"ratio": 0.5}, agree={"ratio": near}).student["ratio"] == 0.5
     assert capsys.readouterr().out == ""

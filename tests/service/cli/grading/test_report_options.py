@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from service.cli.grading import report_options
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from tests.support.workflow_log import commands

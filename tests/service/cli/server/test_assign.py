@@ -72,3 +72,9 @@ def test_it_can_be_hidden_until_a_time(assign):
     line, _ = assign("--available-from", "2026-11-01T08:00+01:00")
     assert line.startswith("rigid-body: available from 2026-11-01T07:00:00+00:00, no deadline, ")
     assert "available" not in assign("--available-from", "none")[0]
+
+
+def test_it_is_published_and_made_a_draft_again(assign):
+    assert assign("--draft")[0].startswith("rigid-body: draft, no deadline, ")
+    assert assign("--due", "2026-12-01T12:00Z")[0].startswith("rigid-body: draft, due ")
+    assert assign("--publish")[0].startswith("rigid-body: due ")

@@ -5,8 +5,8 @@ import os
 import pytest
 
 from service.cli.__main__ import main
-from service.sandbox import isolation, select
-from service.sandbox.guest.lockdown import GUEST_UID
+from service.sandbox.guest.confinement.lockdown import GUEST_UID
+from service.sandbox.isolation import levels, select
 
 
 @pytest.mark.slow
@@ -26,7 +26,7 @@ def test_a_guest_that_is_root_is_reported_and_refused(capsys, monkeypatch):
         pytest.skip("needs root")
     monkeypatch.setattr(select, "find_bubblewrap", lambda: None)
     monkeypatch.setattr(
-        isolation, "_refused_to_change_user", lambda: "root may not change to user 64001 here (EPERM)"
+        levels, "_refused_to_change_user", lambda: "root may not change to user 64001 here (EPERM)"
     )
     assert main(["doctor"]) == 2
     printed = capsys.readouterr().out

@@ -1,5 +1,6 @@
 """What ``polhode serve`` prints when it has started."""
 
+import re
 import time
 
 import pytest
@@ -8,17 +9,22 @@ from tests.support.database import sql
 
 
 def printed(server):
-    """The first two lines of the server's standard output."""
+    """The first three lines of the server's standard output."""
     deadline = time.monotonic() + 30
-    while (text := server.out.read_text()).count("\n") < 2:
+    while (text := server.out.read_text()).count("\n") < 3:
         assert time.monotonic() < deadline, text
         time.sleep(0.05)
-    return text.splitlines()[:2]
+    return text.splitlines()[:3]
 
 
-def test_the_server_prints_where_it_listens_and_the_isolation_level(real_server):
-    listening, isolation = printed(real_server)
+def test_the_server_prints_where_it_listens_how_to_start_a_course_and_the_isolation_level(real_server):
+    listening, start, isolation = printed(real_server)
     assert listening == f"polhode: listening on {real_server.url}"
+    assert re.fullmatch(
+        f"polhode: for a course open {real_server.url}/start#token=[\\w-]{{43}} once: it creates the first"
+        " instructor, and people log in from then on",
+        start,
+    )
     assert isolation.startswith("polhode: workers grade at isolation level namespaces: bubblewrap, ")
 
 
@@ -27,7 +33,6 @@ def test_a_reason_why_nothing_is_graded_is_printed(database_url, new_server, tmp
     sql(database_url, "INSERT INTO worker (name, unavailable_reason) VALUES ('a', 'no Landlock')")
     no_workers = {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "0"}
     server = new_server(tmp_path / "data", path="/livez", **no_workers)
-    assert printed(server) == [
-        f"polhode: listening on {server.url}",
-        "polhode: submissions are not accepted: no Landlock",
-    ]
+    listening, _, reason = printed(server)
+    assert listening == f"polhode: listening on {server.url}"
+    assert reason == "polhode: submissions are not accepted: no Landlock"

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from polhode.report.drawing import contact_sheet
+from polhode.report.figure_files import contact_sheet
 from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -45,7 +45,7 @@ def test_every_figure_of_the_report_can_be_drawn_and_has_its_alt_text(graded, ri
 def test_the_residual_has_a_log_axis_with_the_tolerance_in_it(rigid_body, graded):
     from matplotlib.figure import Figure
 
-    from service.grading.jobs import truth
+    from service.grading.sandbox_job import truth
 
     canvas = Figure()
     scene = rigid_body.scene("torque-free")
@@ -61,7 +61,7 @@ def drawn(rigid_body, name, arrays):
     """The axes of a figure that shows ``arrays`` by scene."""
     from matplotlib.figure import Figure
 
-    from service.grading.jobs import truth
+    from service.grading.sandbox_job import truth
 
     canvas, figure = Figure(), rendering.find(rigid_body, name)
     scenes = [rigid_body.scene(s) for s in figure.scenes]

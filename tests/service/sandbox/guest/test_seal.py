@@ -5,7 +5,7 @@ animation.
 import pytest
 
 from polhode.judging.outcome import Ended
-from service.grading.jobs import job_of
+from service.grading.sandbox_job import job_of
 from service.grading.submission import Submission
 
 FUNCTION = """

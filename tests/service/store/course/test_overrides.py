@@ -8,7 +8,8 @@ from polhode.judging.judge import RowsRight
 from service.store.course import gradebook, grades, outcomes, overrides
 from service.store.course.overrides import OverrideRejected, give, withdraw
 from service.store.postgres.backup import check
-from service.store.submissions import history, records
+from service.store.submissions import records
+from service.store.submissions.past_submissions import past_submissions
 from tests.support.database import run, sql
 from tests.support.reports import outcome, report
 from tests.support.submissions import graded, submitted
@@ -56,7 +57,7 @@ def test_points_for_a_check_and_for_all(database_url, submission):
         ("prof2", "override withdrawn", None, 3, None, [3, 1], "told in person"),
     ]
     assert run(database_url, lambda d: records.recent(d, 5))[0].points == 1
-    assert run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))[0].points == 1
+    assert run(database_url, lambda d: past_submissions(d, "ann", "rigid-body"))[0].points == 1
 
 
 def test_a_check_of_four_points(database_url):

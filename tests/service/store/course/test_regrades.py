@@ -11,8 +11,9 @@ from service.store.course.regrades import BEST, EVERY, NothingToGrade, RegradeCl
 from service.store.queue import workers
 from service.store.queue.cancelling import cancel
 from service.store.queue.overview import regrade, snapshot
-from service.store.submissions import history, records
+from service.store.submissions import records
 from service.store.submissions.accepting import accept
+from service.store.submissions.past_submissions import past_submissions
 from tests.support.database import new, run, sql
 from tests.support.submissions import claim, finish, grade_open, graded, open_gradings, submitted
 
@@ -89,9 +90,7 @@ def test_what_is_held_counts_nowhere(database_url):
     assert run(database_url, lambda d: records.read(d, id)).status == "faulted"
     assert run(database_url, lambda d: records.state(d, id)).number == 1
     assert [f.submission for f in run(database_url, snapshot).faults] == [id]
-    assert {
-        p.id: p.score for p in run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))
-    } == {
+    assert {p.id: p.score for p in run(database_url, lambda d: past_submissions(d, "ann", "rigid-body"))} == {
         id: None,
         one.id: None,
     }

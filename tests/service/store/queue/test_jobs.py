@@ -10,7 +10,7 @@ from procrastinate.jobs import Status
 from service.store.queue import runs, workers
 from service.store.queue.jobs import FIRST, LATER, SLOW, first_gradings_wait, new_app
 from service.store.queue.overview import regrade
-from service.store.submissions import sweeps
+from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.accepting import accept
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_verdicts
@@ -81,7 +81,7 @@ def test_a_persons_regrades_and_sweeps_take_the_same_places(database_url):
     assert take(database_url) == graded
     done(database_url, graded)
     assert run(database_url, lambda d: regrade(d, "all", "prof")) == 1
-    run(database_url, lambda d: sweeps.request(d, UUID(graded)))
+    run(database_url, lambda d: speed_vs_accuracy.request(d, UUID(graded)))
     (first,) = send(database_url, "ann")
     assert take_all(database_url) == [first], "the first grading goes before, and alone"
 

@@ -43,7 +43,7 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
 
 def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return the check that the picture moves, and one for each trajectory."""
-    from polhode.kinds.animation.shown import moves
+    from polhode.kinds.animation.visibility import moves
 
     id, function = question["id"], question["function"]
     if question["body"]:
@@ -63,7 +63,7 @@ def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[D
     """Return why the picture does not move, or what the first trajectory that nothing follows is drawn as
     instead.
     """
-    from polhode.kinds.animation.shown import standstill
+    from polhode.kinds.animation.visibility import standstill
 
     if question["body"]:
         from polhode.kinds.animation.body import diagnose
@@ -81,7 +81,7 @@ def _of_body(question: Mapping[str, Any], scene: str) -> list[Check]:
     """
     from polhode.kinds.animation.body import follows, keeps_momentum
     from polhode.kinds.animation.body.motion import NAMES
-    from polhode.kinds.animation.shown import moves
+    from polhode.kinds.animation.visibility import moves
 
     id, function, axis = question["number"], question["function"], question["body"]["axis"]
     what = "the body" if axis is None else f"the body axis {NAMES[axis]}(t)"

@@ -8,7 +8,7 @@ import itertools
 
 import numpy as np
 
-from polhode.kinds.animation.timing import Array
+from polhode.kinds.animation.frame_times import Array
 
 CROOKED = 0.03  # of the camera's scale
 PARALLEL = 0.03  # sine of the angle between directions that count as parallel

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.kinds.animation import cameras, timing
+from polhode.kinds.animation import cameras, frame_times
+from polhode.kinds.animation.frame_times import Array, Frames
 from polhode.kinds.animation.pictures import MOVES, Path, Picture
-from polhode.kinds.animation.shown import Shown
-from polhode.kinds.animation.timing import Array, Frames
+from polhode.kinds.animation.visibility import Shown
 
 # root mean square, relative to the path's: 1 % of an arrow's length here; linear interpolation costs a tenth
 # of it
@@ -30,7 +30,7 @@ class Match(NamedTuple):
     times: Array
     points: Array
     paths: list[Path]
-    fit: timing.Fit
+    fit: frame_times.Fit
 
     def by_artist(self) -> list[tuple[Array, bool]]:
         """Return the points (m, k) of each artist, and whether they are seen from a fixed end."""
@@ -48,14 +48,14 @@ def finely(at: Array, t: Array, values: Array) -> tuple[Array, Array, Array, Arr
     from scipy.interpolate import CubicSpline
 
     n, kept = len(t), min(len(t), MOST_SAMPLES)
-    share, grid = (kept - 1) / (n - 1), np.linspace(0, n - 1, (kept - 1) * timing.PER + 1)
+    share, grid = (kept - 1) / (n - 1), np.linspace(0, n - 1, (kept - 1) * frame_times.PER + 1)
     number, value, total = at.T
     counted = np.column_stack(
         [number * share, value * (share if np.all(value == np.rint(value)) else 1), 1 + (total - 1) * share]
     )
     spline = CubicSpline(np.arange(n), values.reshape(n, -1))
     curve, rate = (x.reshape(-1, *values.shape[1:]) for x in (spline(grid), spline(grid, 1) / share))
-    return counted, np.interp(grid[:: timing.PER], np.arange(n), t), curve, rate
+    return counted, np.interp(grid[:: frame_times.PER], np.arange(n), t), curve, rate
 
 
 def matches(
@@ -74,19 +74,20 @@ def matches(
         if paths and len(laws):
             places = np.stack([path.places for path in paths], axis=2)
             kinds.append((paths, places, basis))
-            share = np.round(timing.screened(basis, places, laws) / timing.spread(places), 6)
+            share = np.round(frame_times.screened(basis, places, laws) / frame_times.spread(places), 6)
             tried += [
                 (share[k, v], laws[k], places[:, :, [v]], basis)
                 for v, k in enumerate(np.argmin(share, axis=0))
             ]
     for share, law, one, functions in sorted(tried, key=lambda fit: float(fit[0]))[:TRIES]:
-        fit = timing.found(functions, one, law, limit) if share <= HOPEFUL else None
+        fit = frame_times.found(functions, one, law, limit) if share <= HOPEFUL else None
         if fit is None or (m == 1 and fit.coefficients[0, 0] <= 0):
             continue
         points, followed = [], list[Path]()
         for paths, places, basis in kinds:
-            coefficients = timing.coefficients_at(basis, places, fit.grid)
-            ok = timing.misfits(basis[fit.grid] @ coefficients - places) <= limit * timing.spread(places)
+            coefficients = frame_times.coefficients_at(basis, places, fit.grid)
+            misfits = frame_times.misfits(basis[fit.grid] @ coefficients - places)
+            ok = misfits <= limit * frame_times.spread(places)
             points.append(coefficients[:m, ok])
             followed += [path for path, good in zip(paths, ok, strict=True) if good]
         yield Match(fit.times, np.concatenate(points, axis=1), followed, fit)
@@ -99,18 +100,18 @@ def matched(
     return next(matches(picture, curves, laws, shift=shift, limit=limit), None)
 
 
-def together(basis: Array, drawn: Array, laws: Array, limit: float = MISFIT) -> timing.Fit | None:
+def together(basis: Array, drawn: Array, laws: Array, limit: float = MISFIT) -> frame_times.Fit | None:
     """Return the fit of all paths (f, e, v) together, at the best of the times that ``laws`` allow; None if
     there is none.
     """
     if not len(laws):
         return None
     share, whole = (
-        np.linalg.norm(timing.screened(basis, drawn, laws), axis=1),
-        np.linalg.norm(timing.spread(drawn)),
+        np.linalg.norm(frame_times.screened(basis, drawn, laws), axis=1),
+        np.linalg.norm(frame_times.spread(drawn)),
     )
     k = int(np.argmin(share))
-    return timing.found(basis, drawn, laws[k], limit) if share[k] <= HOPEFUL * whole else None
+    return frame_times.found(basis, drawn, laws[k], limit) if share[k] <= HOPEFUL * whole else None
 
 
 class Mistake(NamedTuple):
@@ -172,7 +173,7 @@ def _at_any_time(picture: Picture, curve: Array, at: Array) -> str:
                 same, np.abs(np.arange(len(curve)) - even[:, None]), np.inf
             )  # the curve may return to a place
             moves = np.any(np.abs(np.diff(path.places, axis=0)) > MOVES * np.abs(path.places).max(), axis=1)
-            if (until := at[int(np.flatnonzero(moves)[-1]) + 1, 0]) < (1 - timing.HELD) * (total - 1):
+            if (until := at[int(np.flatnonzero(moves)[-1]) + 1, 0]) < (1 - frame_times.HELD) * (total - 1):
                 return (
                     f"its samples are mistimed: from frame {until:.0f} of {total:.0f} on the picture stands"
                     " still"
@@ -180,6 +181,6 @@ def _at_any_time(picture: Picture, curve: Array, at: Array) -> str:
             k = int(np.argmax(off.min(axis=1)))
             return (
                 f"its samples are mistimed: frame {at[k, 0]:.0f} of {total:.0f} shows sample"
-                f" {np.argmin(off[k]) / timing.PER:.0f}"
+                f" {np.argmin(off[k]) / frame_times.PER:.0f}"
             )
     return ""

@@ -6,7 +6,7 @@ import numpy as np
 
 from polhode.judging.checks import Arrays
 from polhode.kinds.animation.cameras import PARALLEL, parallel
-from polhode.kinds.animation.timing import Array
+from polhode.kinds.animation.frame_times import Array
 
 MOVES = 1e-3  # of its distance from the origin
 POLAR = -2.0  # in place of the labels of polar axes

@@ -1,7 +1,7 @@
 """Whether something drawn follows given trajectories, as they are up to one scale and origin in each axes.
 
 A trajectory in space may also be drawn in a plane: in two of its coordinates, or by the student's own
-projection. The times of the frames are free within limits (``timing``).
+projection. The times of the frames are free within limits (``frame_times``).
 """
 
 import itertools
@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.judging.checks import Arrays
-from polhode.kinds.animation import cameras, timing
+from polhode.kinds.animation import cameras, frame_times
+from polhode.kinds.animation.frame_times import Array, Frames
 from polhode.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
 from polhode.kinds.animation.pictures import Path, Picture, resting
-from polhode.kinds.animation.shown import Shown, judged, remembered
-from polhode.kinds.animation.timing import Array, Frames
+from polhode.kinds.animation.visibility import Shown, judged, remembered
 
 Curves = Mapping[str, Array]
 
@@ -38,7 +38,7 @@ def followed(seen: Arrays, t: Array, trajectories: Curves, limit: float) -> dict
     follows it.
 
     The misfit of a path is its root mean square distance from the drawn trajectory, relative to the
-    trajectory's extent, or that of the worst frame over timing.WORST if this is more. It is at most
+    trajectory's extent, or that of the worst frame over frame_times.WORST if this is more. It is at most
     ``limit``.
     """
 
@@ -85,7 +85,7 @@ def _with_free_paths(picture: Picture) -> Picture:
         for artist in dict.fromkeys(of for of, _ in points)
     ]
     centres = [(some.min(axis=0) + some.max(axis=0)) / 2 for some in artists if len(some) > 2]
-    moving = [at for at in centres if timing.spread(at[:, :, None])[0] > 0]
+    moving = [at for at in centres if frame_times.spread(at[:, :, None])[0] > 0]
     return picture._replace(
         paths=[Path(0, at, False, np.zeros(picture.dimensions)) for at in (*moving, *points.values())]
     )
@@ -144,7 +144,7 @@ def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) 
             yield _together(bases, np.stack([path.places for path in picture.paths])[:, :, None], fit, limit)
 
 
-def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit:
+def _together(bases: Curves, paths: Array, fit: frame_times.Fit, limit: float) -> Fit:
     """Return the trajectories that ``paths`` (v, f, e, c) follow together, beginning with the coefficients
     and times of one.
     """
@@ -155,7 +155,7 @@ def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit
             chosen[name] = paths[int(np.argmin(off))]
     while chosen:
         basis = np.concatenate([bases[name] for name in chosen], axis=1)
-        fit = timing.fitted(basis, np.concatenate(list(chosen.values()), axis=1), fit.law)
+        fit = frame_times.fitted(basis, np.concatenate(list(chosen.values()), axis=1), fit.law)
         misfit = {
             name: float(_misfits(x[None], bases[name][fit.grid] @ fit.coefficients)[0])
             for name, x in chosen.items()
@@ -173,7 +173,7 @@ def _misfits(paths: Array, drawn: Array) -> Array:
     relative to its extent.
     """
     extent = np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2))
-    return timing.misfits(np.moveaxis((paths - drawn).reshape(*paths.shape[:2], -1), 0, 2)) / max(
+    return frame_times.misfits(np.moveaxis((paths - drawn).reshape(*paths.shape[:2], -1), 0, 2)) / max(
         extent, 1e-300
     )
 

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.animation import FuncAnimation
 
 from polhode.animation.animation_recording import record
-from polhode.judging.notes import noting
+from polhode.judging.remarks import noting
 from polhode.judging.return_value import WrongAnswer
 
 

@@ -10,8 +10,9 @@ from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
 import polhode
-from polhode.client import http, remote
+from polhode.client import remote
 from polhode.client.build import build
+from polhode.client.transport import http
 from polhode.judging.outcome import Picture
 from polhode.report.document import document
 from tests.support.fake_server import Scripted, browser, event, hangs_up, problem, says, streams

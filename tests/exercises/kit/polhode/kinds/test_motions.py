@@ -9,7 +9,7 @@ from matplotlib.animation import FuncAnimation, writers
 
 import reference
 from polhode.animation import animate
-from polhode.judging.notes import noting
+from polhode.judging.remarks import noting
 from polhode.judging.return_value import WrongAnswer
 from polhode.kinds import motions, play
 

@@ -9,7 +9,7 @@ import pytest
 
 from service.cli.__main__ import main
 from service.cli.authoring.verify import tally, written_samples
-from service.grading.result import GradedFile
+from service.grading.graded_file import GradedFile
 from tests.support.assignments import change, copied, known
 from tests.support.reports import SLOW, outcome, report
 

@@ -9,7 +9,7 @@ import pytest
 from exercises.authoring.assignments import catalogue
 from service.cli.__main__ import main
 from service.cli.authoring.verify.course_packages import import_errors
-from service.sandbox import select
+from service.sandbox.isolation import select
 from tests.support.assignments import copied, known
 from tests.support.course_shape import written
 

@@ -8,19 +8,14 @@ from service.cli.__main__ import main
 from service.cli.authoring.verify import made_samples
 from service.cli.authoring.verify.command import _select
 from tests.support.assignments import change, known
-from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, write
+from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, declared, write
 
 MODES = """
 import numpy as np
 
-from exercises.authoring.questions.author import Notebook, Tolerance, Value, mistake, uniform
-from exercises.authoring.kinds.values import values
+from exercises.authoring import Notebook, Value, between, relative
 
-notebook = Notebook("Modes", setup="import numpy as np")
-
-
-def modes(a, b):
-    return np.linalg.eigh([[a, 0.3], [0.3, b]])[1]
+notebook = Notebook("notebook.ipynb")
 
 
 def exact(a, b):
@@ -28,26 +23,18 @@ def exact(a, b):
     return [[-np.sin(angle), np.cos(angle)], [np.cos(angle), np.sin(angle)]]
 
 
-SIGNS = Value(Tolerance(limit=1e-12, reason="rounding"), up_to="column signs")
-notebook.exercise(
-    "1",
-    "Modes",
-    values(
-        modes,
-        ask={"a": uniform(0, 1), "b": uniform(0, 1)},
-        truth=exact,
-        agree=SIGNS,
-        mistakes=[
-            mistake("0.3, b", "0.3, -b", "sign-flipped", "the second stiffness is negative"),
-            mistake(
-                "[1]", "[1] * [1, -1] @ [[0, 1], [1, 0]]", "component-order", "the columns are exchanged"
-            ),
-            mistake("[1]", "[1] @ [[0, -1], [1, 0]]", "wrong-function", "the columns are turned"),
-            mistake("[1]", "[1] * [1, -1]", "wrong-function", "the second column has the other sign"),
-        ],
-    ),
-)
+@notebook.exercise("1")
+def of_two_masses(ask):
+    modes = ask.function("modes")
+    modes.case("", a=between(0, 1), b=between(0, 1))
+    modes.truth(exact, agree=Value(relative(1e-12, because="rounding"), up_to="column signs"))
+    modes.mistake("sign-flipped", "the second stiffness is negative", change="0.3, b -> 0.3, -b")
+    exchanged = "[1] -> [1] * [1, -1] @ [[0, 1], [1, 0]]"
+    modes.mistake("component-order", "the columns are exchanged", change=exchanged)
+    modes.mistake("wrong-function", "the columns are turned", change="[1] -> [1] @ [[0, -1], [1, 0]]")
+    modes.mistake("wrong-function", "the second has the other sign", change="[1] -> [1] * [1, -1]")
 """
+SOLVED = "def modes(a, b):\n    return np.linalg.eigh([[a, 0.3], [0.3, b]])[1]"
 
 
 def verify(folder, capsys, *options):
@@ -58,11 +45,12 @@ def verify(folder, capsys, *options):
 
 @pytest.mark.slow
 def test_mistakes_that_the_checks_cannot_tell_apart(tmp_path, capsys, warm_guest):
-    folder = tmp_path / "modes"
-    folder.mkdir()
-    (folder / "assignment.py").write_text(MODES)
-    exit_code, lines = verify(folder, capsys)
-    assert exit_code == 1 and lines[:2] == ["✓  right_all.py", "✓  wrong_1_1_sign_flipped.py"]
+    exit_code, lines = verify(declared(tmp_path / "modes", MODES, SOLVED), capsys)
+    assert exit_code == 1 and lines[:3] == [
+        "✓  right_all.py",
+        "✓  notebook.ipynb",
+        "✓  wrong_1_1_sign_flipped.py",
+    ]
     one, other, same = (
         lines.index(f"✗  wrong_1_{name}.py")
         for name in ("2_component_order", "3_wrong_function", "4_wrong_function")
@@ -123,13 +111,10 @@ def test_a_wrong_solution_of_the_authors_notebook_is_reported(tmp_path, capsys, 
     ]
 
 
-@pytest.mark.parametrize(
-    "empty", ['def speed(t, g):\n    """Return it."""\n    ...', "speed = None", "def speed(t, g): pass"]
-)
-def test_the_authors_notebook_is_a_sample_of_the_exercises_that_it_solves(tmp_path, empty):
-    with known(write(tmp_path, [*CELLS[:5], code(empty), HEIGHT])) as found:
+def test_the_authors_notebook_is_a_sample_of_all_exercises(tmp_path):
+    with known(write(tmp_path)) as found:
         made = {sample.name: sample.ask for sample in found.valid["falling"].made_samples()}
-    assert made == {"right_all.py": ("1", "2"), "fall.ipynb": ("2",), "wrong_1_1_no_code.py": ("1",)}
+    assert made == {"right_all.py": ("1", "2"), "fall.ipynb": ("1", "2"), "wrong_1_1_no_code.py": ("1",)}
 
 
 @pytest.mark.parametrize("inside", [None, "notes.txt"])
@@ -176,10 +161,8 @@ def test_the_source_of_a_sample_is_printed_on_request(tmp_path, capsys):
 
 @pytest.mark.parametrize("truth", ["exact(a, b) / 0", "[[1.0]]"])
 def test_a_truth_that_fails_is_one_sentence_with_its_line(tmp_path, capsys, truth):
-    folder = tmp_path / "modes"
-    folder.mkdir()
-    text = MODES.replace("truth=exact", f"truth=lambda a, b: {truth}")
-    (folder / "assignment.py").write_text(text)
+    text = MODES.replace("truth(exact,", f"truth(lambda a, b: {truth},")
+    folder = declared(tmp_path / "modes", text, SOLVED)
     with known(folder):
         assert main(["verify", str(folder)]) == 2
     told = capsys.readouterr()

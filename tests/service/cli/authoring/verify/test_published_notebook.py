@@ -11,20 +11,17 @@ from tests.support.assignments import known
 from tests.support.toolbox import FOLDER
 
 DECLARED = """
-from exercises.authoring.questions.author import Notebook, Tolerance, mistake, uniform
-from exercises.authoring.kinds.values import values
+from exercises.authoring import Notebook, between, relative
 
-notebook = Notebook("Doubling", notebook="one.ipynb")
-
-
-def double(x):
-    return 2 * x
+notebook = Notebook("one.ipynb", title="Doubling")
 
 
-NEAR = Tolerance(limit=1e-12, reason="rounding")
-wrong = [mistake("2 *", "3 *", "constant-factor", "it triples")]
-shared = {"ask": {"x": uniform(0, 1)}, "truth": lambda x: x + x, "agree": NEAR}
-notebook.exercise("1", "Doubling", values(double, **shared, mistakes=wrong))
+@notebook.exercise("1", "Doubling")
+def doubling(ask):
+    double = ask.function("double")
+    double.case("", x=between(0, 1))
+    double.truth(lambda x: x + x, agree=relative(1e-12, because="rounding"))
+    double.mistake("constant-factor", "it triples", change="2 * -> 3 *")
 """
 
 

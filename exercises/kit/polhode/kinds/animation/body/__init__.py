@@ -12,7 +12,7 @@ from polhode.judging.outcome import Diagnosis
 from polhode.kinds.animation.body.comparing import body_shown
 from polhode.kinds.animation.body.momentum import momentum_shown
 from polhode.kinds.animation.body.motion import Body
-from polhode.kinds.animation.shown import Shown, standstill
+from polhode.kinds.animation.visibility import Shown, standstill
 
 __all__ = ["Body", "body_shown", "diagnose", "follows", "keeps_momentum", "momentum_shown"]
 

@@ -10,11 +10,11 @@ from itertools import product
 
 import numpy as np
 
-from polhode.kinds.animation import cameras, timing
+from polhode.kinds.animation import cameras, frame_times
+from polhode.kinds.animation.frame_times import Array
 from polhode.kinds.animation.matching import MISFIT, Match
 from polhode.kinds.animation.pictures import Picture
-from polhode.kinds.animation.shown import Shown
-from polhode.kinds.animation.timing import Array
+from polhode.kinds.animation.visibility import Shown
 
 TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and the number of them that are fitted
 COARSE = 12
@@ -38,7 +38,7 @@ def wrong_box(match: Match, half: Array, R: Array) -> Shown | None:
     box in these proportions may be the points of all artists or of one.
     """
     groups = [match.points, *(points for points, _ in match.by_artist())]
-    found = [_displaced(group, half, R[timing.on_grid(match.times, len(R))]) for group in groups]
+    found = [_displaced(group, half, R[frame_times.on_grid(match.times, len(R))]) for group in groups]
     if "" not in found and (wrong := next(filter(None, found), None)):
         return Shown(False, "wrong-motion", wrong)
     edges = _edges(match.points)
@@ -150,10 +150,10 @@ def _tried(drawn: Array, plain: list[Array], corners: Array, laws: Array) -> Ite
     """
     from scipy.spatial.transform import Rotation
 
-    few = timing.sparse(len(drawn), COARSE)
+    few = frame_times.sparse(len(drawn), COARSE)
 
     def cost(camera: Array, law: Array) -> float:
-        seen = camera @ corners[timing.on_grid(law[few], len(corners))]
+        seen = camera @ corners[frame_times.on_grid(law[few], len(corners))]
         size = np.sqrt(np.mean(drawn[few] ** 2) / max(float(np.mean(seen**2)), 1e-300))
         return float(_distances(drawn[few], size * seen).min(axis=2).mean())
 
@@ -174,22 +174,23 @@ def _fitted(drawn: Array, corners: Array, camera: Array, law: Array) -> tuple[Ar
     """Fit camera and times in turn, first in a few frames and then in all. None if they do not fit."""
     d, whole, camera = drawn.shape[2], np.mean(drawn**2), camera.copy()
     camera[:d] *= np.sqrt(whole / np.mean(_seen(camera, corners) ** 2))
-    for part in (timing.sparse(len(drawn)), np.arange(len(drawn))):
-        grid, near = timing.on_grid(law[part], len(corners)), timing.choices(law[part], len(corners))
+    for part in (frame_times.sparse(len(drawn)), np.arange(len(drawn))):
+        grid = frame_times.on_grid(law[part], len(corners))
+        near = frame_times.choices(law[part], len(corners))
         for _ in range(ROUNDS):
             camera = _refined(drawn[part], corners[grid], camera)
             seen = _seen(camera, corners)
             costs = [_distances(drawn[part], seen[choice]).min(axis=2).mean(axis=1) for choice in near.T]
-            grid = timing.in_order(np.stack(costs, axis=1), near, law[part])
+            grid = frame_times.in_order(np.stack(costs, axis=1), near, law[part])
         off = _distances(drawn[part], seen[grid]).min(axis=2).mean(axis=1)
-        if max(off.mean(), off.max() / timing.WORST**2) > MISFIT**2 * whole:
+        if max(off.mean(), off.max() / frame_times.WORST**2) > MISFIT**2 * whole:
             return None
     straight = cameras.straightened(camera[:d, :3])
     if straight is None or any(
         np.abs(straight @ q).max() > cameras.SKEW * np.linalg.norm(q) for q in camera[d:, :3]
     ):
         return None
-    return straight, grid / timing.PER
+    return straight, grid / frame_times.PER
 
 
 def _distances(drawn: Array, seen: Array) -> Array:

@@ -1,8 +1,8 @@
 """Whether something drawn in an animation follows a body.
 
-There are many right ways to draw it. The times of the frames are free within limits (``timing``) and so is
-the camera (``cameras``). At those times the drawing must show the exact motion: a point of the body up to one
-constant shift, or a direction from one fixed place. L is drawn by the same camera (``momentum``).
+There are many right ways to draw it. The times of the frames are free within limits (``frame_times``) and so
+is the camera (``cameras``). At those times the drawing must show the exact motion: a point of the body up to
+one constant shift, or a direction from one fixed place. L is drawn by the same camera (``momentum``).
 """
 
 from collections.abc import Iterator
@@ -16,10 +16,10 @@ from polhode.kinds.animation.body import boxes
 from polhode.kinds.animation.body.direction import read, resembling
 from polhode.kinds.animation.body.motion import NAMES, Body, Motion
 from polhode.kinds.animation.body.own_view import View, by_own_camera
+from polhode.kinds.animation.frame_times import Array
 from polhode.kinds.animation.matching import Mistake, instead, matched
 from polhode.kinds.animation.pictures import Picture, resting
-from polhode.kinds.animation.shown import Shown, judged, remembered
-from polhode.kinds.animation.timing import Array
+from polhode.kinds.animation.visibility import Shown, judged, remembered
 
 BODY = "the body"
 CORNERS = 7  # that move, at least: one may stay if the box is seen along an edge

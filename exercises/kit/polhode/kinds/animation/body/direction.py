@@ -4,14 +4,14 @@ axis.
 
 import numpy as np
 
-from polhode.kinds.animation import cameras, timing
+from polhode.kinds.animation import cameras, frame_times
 from polhode.kinds.animation.body import boxes
 from polhode.kinds.animation.body.motion import NAMES, Motion
 from polhode.kinds.animation.cameras import PARALLEL
+from polhode.kinds.animation.frame_times import Array
 from polhode.kinds.animation.matching import Match
 from polhode.kinds.animation.pictures import Picture
-from polhode.kinds.animation.shown import Shown
-from polhode.kinds.animation.timing import Array
+from polhode.kinds.animation.visibility import Shown
 
 ALONG = np.sqrt(1 - PARALLEL**2)  # cosine of the angle between directions that count as parallel
 SPAN = 0.1  # of the length of two directions that show the body's attitude together
@@ -97,7 +97,7 @@ def resembling(picture: Picture, motion: Motion) -> str | None:
     for path in (path for path in picture.paths if path.bound):
         lengths = np.maximum(np.linalg.norm(path.places, axis=1, keepdims=True), 1e-300)
         unit, tips = path.places / lengths, path.places / lengths.mean()
-        exact = motion.tip[timing.on_grid(np.linspace(0, motion.frames.n - 1, len(unit)), len(motion.R))]
+        exact = motion.tip[frame_times.on_grid(np.linspace(0, motion.frames.n - 1, len(unit)), len(motion.R))]
         angle, right = unit @ z, exact @ z
         x = exact[0] - right[0] * z
         azimuths = [np.unwrap(np.arctan2(v @ np.cross(z, x), v @ x)) for v in (unit, exact)]

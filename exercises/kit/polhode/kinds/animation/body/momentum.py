@@ -9,10 +9,10 @@ from polhode.kinds.animation import cameras
 from polhode.kinds.animation.body.comparing import compared
 from polhode.kinds.animation.body.motion import Body, Motion
 from polhode.kinds.animation.cameras import PARALLEL
+from polhode.kinds.animation.frame_times import LEAST_FRAMES, Array
 from polhode.kinds.animation.matching import Mistake, instead
 from polhode.kinds.animation.pictures import Picture, is_consistent, pictures, resting
-from polhode.kinds.animation.shown import INCONSISTENT, Shown
-from polhode.kinds.animation.timing import LEAST_FRAMES, Array
+from polhode.kinds.animation.visibility import INCONSISTENT, Shown
 
 MOVES = "L moves with the body: L is fixed in space, do not apply R to it"
 BODY_AXES = "drawn in body axes, where L moves and the axes stay: apply R to the body's points"

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from polhode.kinds.animation.frame_times import PER, Array, Frames
 from polhode.kinds.animation.matching import finely
-from polhode.kinds.animation.timing import PER, Array, Frames
 
 NAMES = ("ê₁", "ê₂", "ê₃")
 

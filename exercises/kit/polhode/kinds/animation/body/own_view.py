@@ -6,14 +6,14 @@ from collections import Counter, defaultdict
 
 import numpy as np
 
-from polhode.kinds.animation import cameras, timing
+from polhode.kinds.animation import cameras, frame_times
 from polhode.kinds.animation.body.direction import read
 from polhode.kinds.animation.body.motion import Motion
 from polhode.kinds.animation.cameras import PARALLEL
+from polhode.kinds.animation.frame_times import Array
 from polhode.kinds.animation.matching import matched, together
 from polhode.kinds.animation.pictures import Path, Picture
-from polhode.kinds.animation.shown import Shown
-from polhode.kinds.animation.timing import Array
+from polhode.kinds.animation.visibility import Shown
 
 View = tuple[Array | None, Shown | None]  # a camera and what it shows
 Own = tuple[Array, Array]  # a camera and the times of the frames
@@ -127,9 +127,9 @@ def _in_perspective(path: Path, motion: Motion, laws: Array) -> Own | None:
     drawn, tips, unit = path.places, motion.tip[:, None], motion.unit
     if unit is None or not path.bound or drawn.shape[1] == 3:
         return None
-    law = times = laws[int(np.argmin(timing.screened(tips, drawn[:, None], laws).sum(axis=1)))]
+    law = times = laws[int(np.argmin(frame_times.screened(tips, drawn[:, None], laws).sum(axis=1)))]
     for _ in range(ROUNDS):
-        tip = motion.tip[timing.on_grid(times, len(tips))]
+        tip = motion.tip[frame_times.on_grid(times, len(tips))]
         _, q = cameras.in_perspective(tip, drawn)
         if not (own := _of_axis(path._replace(places=drawn * (1 - tip @ q)[:, None]), motion, law[None])):
             return None

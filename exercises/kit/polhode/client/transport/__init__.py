@@ -1,0 +1,1 @@
+"""Requests to the course server from every Python that a notebook runs in."""

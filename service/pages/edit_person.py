@@ -1,0 +1,187 @@
+"""Add and edit a person, give them a new token or password, and more time for an assignment."""
+
+import secrets
+from datetime import UTC, datetime
+from urllib.parse import quote
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import RedirectResponse
+from starlette.datastructures import FormData
+
+from exercises.authoring.assignments.catalogue import assignments
+from service.auth import forms
+from service.auth.identity import LOCAL
+from service.auth.passwords import PasswordChecker
+from service.auth.roles import Instructor
+from service.http.errors import Problem
+from service.http.requests import PublicAddress
+from service.http.state import Db, Held
+from service.http.templating import templates
+from service.pages import form_times
+from service.pages.people import PersonName, find_person, show_people, show_person
+from service.pages.rejected_forms import post_form
+from service.store.course import audit, deadlines
+from service.store.database import Connection
+from service.store.people import credentials, editing, people, tokens
+
+router = APIRouter()
+LABELS = {
+    "role": "role",
+    "full_name": "full name",
+    "email": "email",
+    "student_id": "student ID",
+    "section": "section",
+}
+LONGEST = 200
+TOKEN_S = 200.0 * tokens.DAY_S
+
+
+@post_form(router, "/people/add", page=show_people, at="/people")
+async def add(
+    request: Request, person: Instructor, form: forms.Form, database: Db, address: PublicAddress
+) -> Response:
+    """Add a person; show their new token if the form asks for one."""
+    try:
+        name = people.normalize_name(forms.field(form, "name"))
+    except people.InvalidName as error:
+        raise Problem(422, "invalid-request", str(error), "/name") from None
+    if name == LOCAL:
+        raise Problem(
+            422, "invalid-request", f"the name {LOCAL} is polhode's own: enter another one", "/name"
+        )
+    values = _values(form)
+    token = None
+    try:
+        async with database.begin() as connection:
+            await editing.add(connection, name, values, person.name)
+            if forms.field(form, "token"):
+                token = await _new_token(connection, name, person.name)
+    except editing.KnownPerson:
+        detail = f"{name} is in the course already: see the list, and edit the person there"
+        raise Problem(422, "invalid-request", detail, "/name") from None
+    if token is not None:
+        return _show_secret(request, name, address, token=token)
+    return RedirectResponse(_page(name), 303)
+
+
+@post_form(router, "/person/edit", page=show_person, at="/person")
+async def edit(person: Instructor, form: forms.Form, database: Db, name: PersonName) -> Response:
+    """Change role, full name, email, student ID and section of a person.
+
+    If somebody else has changed the person meanwhile, nothing is saved, and the form says what they changed.
+    """
+    await find_person(database, name)
+    values = _values(form)
+    seen = {field: forms.raw_field(form, f"seen-{field}") for field in editing.FIELDS}
+    try:
+        async with database.begin() as connection:
+            await editing.change(connection, name, values, seen, person.name)
+    except editing.ChangedMeanwhile as meanwhile:
+        raise Problem(409, "changed-meanwhile", _told(meanwhile)) from None
+    except editing.LastInstructor:
+        detail = f"{name} is the only instructor: make somebody else an instructor first"
+        raise Problem(422, "invalid-request", detail, "/role") from None
+    return RedirectResponse(_page(name), 303)
+
+
+@post_form(router, "/person/token", page=show_person, at="/person")
+async def give_token(
+    request: Request,
+    person: Instructor,
+    form: forms.Form,
+    database: Db,
+    name: PersonName,
+    address: PublicAddress,
+) -> Response:
+    """Revoke all tokens and sessions of a person, and show a new token."""
+    await find_person(database, name)
+    async with database.begin() as connection:
+        await tokens.revoke(connection, person=name)
+        token = await _new_token(connection, name, person.name)
+    return _show_secret(request, name, address, token=token)
+
+
+@post_form(router, "/person/password", page=show_person, at="/person")
+async def give_password(
+    request: Request,
+    person: Instructor,
+    form: forms.Form,
+    database: Db,
+    name: PersonName,
+    checker: Held[PasswordChecker],
+    address: PublicAddress,
+) -> Response:
+    """End a person's sessions, and show a new password that they can change."""
+    await find_person(database, name)
+    password = secrets.token_urlsafe(12)
+    stored = await checker.hash(password)
+    async with database.begin() as connection:
+        await credentials.set_password(connection, name, stored, by=person.name)
+    return _show_secret(request, name, address, password=password)
+
+
+@post_form(router, "/person/extensions", page=show_person, at="/person")
+async def extend(person: Instructor, form: forms.Form, database: Db, name: PersonName) -> Response:
+    """Give a person a later deadline of an assignment. An empty deadline removes the extension."""
+    await find_person(database, name)
+    slug, due = forms.field(form, "assignment"), form_times.moment(form, "due")
+    if slug not in assignments():
+        raise Problem(422, "invalid-request", "choose an assignment", "/assignment")
+    if due is None:
+        if not await deadlines.remove_extension(database, slug, name, person.name):
+            detail = "there is no extension of this assignment to remove: enter a deadline to give one"
+            raise Problem(422, "invalid-request", detail, "/due")
+    else:
+        if due <= datetime.now(UTC):
+            raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
+        reason = forms.required(form, "reason")
+        await deadlines.extend(database, slug, name, due, reason=reason, by=person.name)
+    return RedirectResponse(f"{_page(name)}#assignments", 303)
+
+
+def _values(form: FormData) -> dict[str, str]:
+    """Return the fields of a person in a form, each with single spaces. Raises Problem 422 if one is not
+    valid.
+    """
+    values = {field: " ".join(forms.field(form, field, LONGEST).split()) for field in editing.FIELDS}
+    for field, value in values.items():
+        if not value.isprintable():
+            detail = f"the {LABELS[field]} has a character that cannot be printed: type it again"
+            raise Problem(422, "invalid-request", detail, f"/{field}")
+    if values["role"] not in people.ROLES:
+        raise Problem(422, "invalid-request", f"choose one of {', '.join(people.ROLES)}", "/role")
+    return values
+
+
+def _told(meanwhile: editing.ChangedMeanwhile) -> str:
+    """Return what somebody else has changed, and what to do."""
+    changes = ", ".join(
+        f"{LABELS[field]} from {old or 'nothing'} to {new or 'nothing'}"
+        for field, (old, new) in meanwhile.changes.items()
+    )
+    return (
+        f"not saved, because {meanwhile.by or 'somebody else'} has changed this person since you opened the"
+        f" page: {changes}. What you typed is kept below: check it and save again"
+    )
+
+
+async def _new_token(connection: Connection, name: str, by: str) -> str:
+    token = await tokens.create(
+        connection, name, label=f"issued by {by}", scopes=tokens.SCOPES, seconds=TOKEN_S
+    )
+    await audit.record(connection, by, "give token", name, {"scopes": list(tokens.SCOPES)})
+    return token
+
+
+def _show_secret(
+    request: Request, name: str, address: str, *, token: str = "", password: str = ""
+) -> Response:
+    """Return the page that shows a new token or password, which no other page can show again."""
+    days = round(TOKEN_S / tokens.DAY_S)
+    context = {"name": name, "address": address, "page": _page(name), "days": days}
+    context |= {"token": token, "password": password}
+    return templates.TemplateResponse(request, "new_login.html", context)
+
+
+def _page(name: str) -> str:
+    return f"/person?name={quote(name, safe='')}"

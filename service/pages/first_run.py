@@ -1,0 +1,84 @@
+"""The first instructor of a course, created with the link that the server prints."""
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import HTMLResponse, RedirectResponse
+
+from service.auth import forms, passwords
+from service.auth.identity import LOCAL, Person
+from service.auth.passwords import PasswordChecker
+from service.auth.roles import OptionalUser
+from service.auth.sessions import BrowserCookies
+from service.http.errors import Problem
+from service.http.state import Db, Held
+from service.http.templating import templates
+from service.pages import account
+from service.pages.rejected_forms import post_form
+from service.store.people import first_instructor, people
+
+router = APIRouter()
+
+
+@router.get("/start", response_class=HTMLResponse)
+async def show_start(
+    request: Request, person: OptionalUser, database: Db, cookies: BrowserCookies
+) -> Response:
+    """Show the form that creates the first instructor; lead to the set-up page once there is one."""
+    if not await first_instructor.is_missing(database):
+        return RedirectResponse("/setup", 303)
+    context = {
+        "known": _logged_in(person),
+        "shortest": passwords.SHORTEST,
+        "longest": passwords.LONGEST,
+        "longest_name": people.LONGEST_NAME,
+    }
+    response = templates.TemplateResponse(request, "start.html", context)
+    cookies.store_anonymous_id(response)
+    return response
+
+
+@post_form(router, "/start", page=show_start, at="/start")
+async def start(
+    form: forms.PublicForm,
+    person: OptionalUser,
+    database: Db,
+    cookies: BrowserCookies,
+    checker: Held[PasswordChecker],
+) -> Response:
+    """Create the first instructor and log them in. Who is logged in already becomes it themselves."""
+    secret = forms.required(form, "token")
+    known, full_name, password = _logged_in(person), None, None
+    name = known.name if known else _name(form)
+    if known is None:
+        full_name = forms.field(form, "full_name", people.LONGEST_NAME)
+        password = await checker.hash(account.new_password(form, name))
+    try:
+        async with database.begin() as connection:
+            await first_instructor.create(connection, secret, name, full_name, password)
+    except first_instructor.LinkOver:
+        raise Problem(
+            403,
+            "not-allowed",
+            "this is not the link that the server printed, or it was used: copy the whole of it",
+            "/token",
+        ) from None
+    response = RedirectResponse("/setup", 303)
+    if known is None:
+        await cookies.start_session(response, name, "the first link")
+    return response
+
+
+def _logged_in(person: Person | None) -> Person | None:
+    """Return the person unless they are the one that all visitors of a server without logins are."""
+    return None if person is None or person.single_user else person
+
+
+def _name(form: forms.PublicForm) -> str:
+    try:
+        name = people.normalize_name(forms.field(form, "name"))
+    except people.InvalidName as error:
+        raise Problem(422, "invalid-request", f"{error}: enter one", "/name") from None
+    if name == LOCAL:
+        raise Problem(
+            422, "invalid-request", f"the name {LOCAL} is polhode's own: enter another one", "/name"
+        )
+    return name

@@ -1,0 +1,70 @@
+"""The page that leads through the set-up of a course: staff, name, assignments, students, a trial."""
+
+from dataclasses import replace
+from typing import Any
+from zoneinfo import available_timezones
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import HTMLResponse, RedirectResponse
+from starlette.datastructures import FormData
+
+from exercises.authoring.assignments.catalogue import assignments
+from service.auth import forms
+from service.auth.roles import Instructor, Staff
+from service.http.state import Db
+from service.http.templating import templates
+from service.pages import course_settings as settings_page
+from service.pages import form_times
+from service.pages.rejected_forms import post_form
+from service.store.course import assignment_settings, course_settings
+from service.store.database import Row
+from service.store.people import people
+
+router = APIRouter()
+
+
+@router.get("/setup", response_class=HTMLResponse)
+async def show(request: Request, person: Staff, database: Db) -> Response:
+    """Show what a new course needs, and what of it is done."""
+    everybody = await people.everybody(database)
+    rows = await settings_page.overview(database)
+    context = {
+        "settings": await course_settings.read(database),
+        "zones": sorted({"UTC", *available_timezones()}),
+        "rows": rows,
+        "published": sum(row.published for row in rows),
+        "assignments": assignments(),
+        "staff": [one for one in everybody if one.role in ("instructor", "assistant")],
+        "students": sum(one.role == "student" for one in everybody),
+        "submitted": sum(row.submissions for row in rows),
+    }
+    return templates.TemplateResponse(request, "setup.html", context)
+
+
+@post_form(router, "/setup/course", page=show, at="/setup")
+async def name_course(person: Instructor, form: forms.Form, database: Db) -> Response:
+    """Save name, term and time zone of the course."""
+    about = settings_page.about_course(form)
+    settings = replace(await course_settings.read(database), **about)
+    await course_settings.change(database, settings, {}, person.name)
+    return RedirectResponse("/setup#assignments", 303)
+
+
+@post_form(router, "/setup/assignments", page=show, at="/setup")
+async def choose(person: Instructor, form: forms.Form, database: Db) -> Response:
+    """Publish the assignments that are ticked, and save from when to when they are open."""
+    rows = await settings_page.overview(database)
+    chosen = {row.slug: _settings(form, row) for row in rows if f"due-{row.slug}" in form}
+    async with database.begin() as connection:
+        for slug, settings in chosen.items():
+            await assignment_settings.change_in(connection, slug, settings, person.name)
+    return RedirectResponse("/setup#people", 303)
+
+
+def _settings(form: FormData, row: Row) -> dict[str, Any]:
+    """Return the settings of an assignment in the form."""
+    return {
+        "published": bool(forms.field(form, f"published-{row.slug}")),
+        "available_from": form_times.moment(form, f"available-{row.slug}"),
+        "due_at": form_times.deadline(form, f"due-{row.slug}", row.due_at),
+    }

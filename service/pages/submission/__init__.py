@@ -1,0 +1,1 @@
+"""The page of one submission: report, source, feedback and overrides."""

@@ -1,0 +1,1 @@
+"""The cells of a submission: how they are found, how they run, and what they call."""

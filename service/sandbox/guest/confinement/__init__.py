@@ -1,0 +1,1 @@
+"""What confines a child: system calls, files, users, its scratch folder and its limits."""

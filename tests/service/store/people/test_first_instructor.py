@@ -1,0 +1,72 @@
+"""The link that creates the first instructor: the same on all servers, and good for one use."""
+
+import asyncio
+
+import pytest
+
+from service.store.people import first_instructor, people
+from tests.support.database import run, sql
+
+
+def create(url, secret, name="emmy", password=None):
+    async def in_transaction(database):
+        async with database.begin() as connection:
+            await first_instructor.create(connection, secret, name, "Emmy Noether", password)
+
+    run(url, in_transaction)
+
+
+def test_the_link_is_the_same_until_it_is_used(database_url):
+    secret = run(database_url, first_instructor.link_secret)
+    assert secret == run(database_url, first_instructor.link_secret) and len(secret) > 40
+    assert run(database_url, first_instructor.is_missing)
+    create(database_url, secret, password="a hash")
+    assert not run(database_url, first_instructor.is_missing)
+    assert run(database_url, first_instructor.link_secret) is None
+    found = "SELECT m.role, p.full_name, p.password FROM member m JOIN person p ON p.id = m.person_id"
+    assert sql(database_url, f"{found} WHERE p.name = 'emmy'") == [("instructor", "Emmy Noether", "a hash")]
+    with pytest.raises(first_instructor.LinkOver):
+        create(database_url, secret, "mallory")
+
+
+def test_people_log_in_once_it_was_used(database_url):
+    assert not run(database_url, first_instructor.people_log_in)
+    create(database_url, run(database_url, first_instructor.link_secret))
+    assert run(database_url, first_instructor.people_log_in)
+
+
+@pytest.mark.parametrize("secret", ["", "wrong", "first instructor"])
+def test_another_secret_creates_nobody(database_url, secret):
+    run(database_url, first_instructor.link_secret)
+    with pytest.raises(first_instructor.LinkOver):
+        create(database_url, secret)
+    assert run(database_url, first_instructor.is_missing)
+
+
+def test_an_imported_instructor_ends_the_link(database_url):
+    secret = run(database_url, first_instructor.link_secret)
+
+    async def enroll(database):
+        async with database.begin() as connection:
+            await people.enroll(connection, [("prof", "instructor")])
+
+    run(database_url, enroll)
+    with pytest.raises(first_instructor.LinkOver):
+        create(database_url, secret)
+    assert run(database_url, first_instructor.link_secret) is None
+    assert sql(database_url, "SELECT count(*) FROM secret WHERE name = 'first instructor'") == [(0,)]
+
+
+def test_of_two_at_once_one_becomes_it(database_url):
+    secret = run(database_url, first_instructor.link_secret)
+
+    async def attempt(database, name):
+        async with database.begin() as connection:
+            await first_instructor.create(connection, secret, name, None, None)
+
+    async def both(database):
+        attempts = [attempt(database, name) for name in ("emmy", "mallory")]
+        return await asyncio.gather(*attempts, return_exceptions=True)
+
+    results = run(database_url, both)
+    assert sorted(type(result).__name__ for result in results) == ["LinkOver", "NoneType"]

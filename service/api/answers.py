@@ -95,12 +95,13 @@ class Override(BaseModel):
 
 
 class RegradeRequest(BaseModel):
-    """A student's request for a regrade; ``answer``, ``answered_by`` and ``answered_at`` are null while it is
-    open.
+    """A student's request for a regrade of a check, null for the whole submission; ``answer``,
+    ``answered_by`` and ``answered_at`` are null while it is open.
     """
 
     id: UUID
     submission: UUID
+    check: str | None
     reason: str
     requested_at: Moment
     status: regrade_requests.Status

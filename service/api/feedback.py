@@ -30,8 +30,9 @@ def text(most: int) -> StringConstraints:
 
 
 class NewRequest(BaseModel, extra="forbid"):
-    """Why the submission deserves more points."""
+    """Why a check, or without one the whole submission, deserves more points."""
 
+    check: Annotated[str, text(100)] | None = None
     reason: Annotated[str, text(regrade_requests.LONGEST)]
 
 
@@ -83,7 +84,7 @@ async def create_request(
     person: Submitter, stored: Submission, body: NewRequest, database: Db
 ) -> answers.RegradeRequest:
     """Request a regrade of one's own submission."""
-    return _request(await request_regrade(database, person, stored, body.reason))
+    return _request(await request_regrade(database, person, stored, body.reason, body.check))
 
 
 @router.get(
@@ -132,10 +133,10 @@ async def remove_comment(person: WritingStaff, stored: Submission, comment: str,
 
 
 async def request_regrade(
-    database: Db, person: Person, stored: SubmissionRecord, reason: str
+    database: Db, person: Person, stored: SubmissionRecord, reason: str, check: str | None
 ) -> RegradeRequest:
-    """Store a request. Raises Problem 403 unless ``person`` submitted, and 409 without a report or with an
-    open request.
+    """Store a request about a check, or the whole submission. Raises Problem 403 unless ``person`` submitted,
+    422 if the report has no such check, and 409 without a report or with an open request.
     """
     if stored.person != person.name:
         raise Problem(
@@ -143,8 +144,11 @@ async def request_regrade(
             "not-allowed",
             "you don't have permission: only the student who submitted can request a regrade",
         )
+    exercises = stored.report.exercises if stored.report else []
+    if check is not None and exercises and all(o.id != check for e in exercises for o in e.outcomes):
+        raise Problem(422, "invalid-request", f"the report has no check {check}: choose another", "/check")
     try:
-        return await regrade_requests.request(database, stored.id, person.name, reason)
+        return await regrade_requests.request(database, stored.id, person.name, reason, check)
     except RequestRejected as error:
         raise Problem(409, error.kind, str(error)) from None
 

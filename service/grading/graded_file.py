@@ -8,8 +8,8 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended, Outcome, SceneEnd
 from polhode.report.report import Report
 
-MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
-"""The states of a check and their marks."""
+MARKS = {"pass": "✓", "fail": "✗", "timeout": "–", "error": "–", "unmeasured": "–"}
+"""The states of a check and the marks of their verdicts, as in reports."""
 WORDS = {
     "pass": "passed",
     "fail": "failed",

@@ -21,6 +21,7 @@ from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import course_cards, notebook_text, task
+from service.pages.audit_words import tell
 from service.pages.rejected_forms import post_form
 from service.store.course import course_settings, deadlines, gradebook
 from service.store.course.audit import MOST, entries
@@ -122,10 +123,11 @@ async def audit_log(
     subject: Annotated[str, Query(max_length=200)] = "",
     before: Annotated[int | None, Query(ge=0, le=2**62)] = None,
 ) -> Response:
-    """Show the latest entries, optionally of one person or subject."""
+    """Show the latest entries in words, optionally of one person or subject."""
     subject = subject.strip().replace("\x00", "")
     rows = await entries(database, subject or None, before)
-    context = {"rows": rows, "subject": subject, "older": rows[-1].id if len(rows) == MOST else None}
+    older = rows[-1].id if len(rows) == MOST else None
+    context = {"entries": [*map(tell, rows)], "subject": subject, "older": older}
     return templates.TemplateResponse(request, "audit.html", context)
 
 

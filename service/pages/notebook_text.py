@@ -1,10 +1,12 @@
-"""An assignment's notebook as text to read on a page, without running it."""
+"""Markdown as text to read on a page: an assignment's notebook, without running it, and comments."""
 
 import json
 import re
 from dataclasses import dataclass
 
 from markupsafe import Markup, escape
+
+from service.http.templating import neutralize_bidi
 
 HEADING = re.compile(r"(#{1,6}) +(.+)")
 SPANS = (
@@ -43,18 +45,18 @@ def _text(source: str) -> list[Block]:
     for line in [*source.split("\n"), "# "]:
         heading = HEADING.fullmatch(line.rstrip())
         if heading or line == "# ":
-            found.append(Block("text", _spans("\n".join(paragraph).strip("\n"))))
+            found.append(Block("text", inline("\n".join(paragraph).strip("\n"))))
             paragraph = []
         if heading:
-            found.append(Block("heading", _spans(heading[2])))
+            found.append(Block("heading", inline(heading[2])))
         else:
             paragraph.append(line)
     return found
 
 
-def _spans(text: str) -> Markup:
-    """Return the text escaped, with code, bold and italic words as HTML."""
-    shown = str(escape(text))
+def inline(text: str) -> Markup:
+    """Return the text escaped, with code, bold and italic words as HTML; formulas stay TeX."""
+    shown = str(escape(neutralize_bidi(text)))
     for pattern, form in SPANS:
         shown = pattern.sub(lambda found, form=form: form.format(found[1]), shown)  # type: ignore[misc]
     return Markup(shown)  # noqa: S704

@@ -20,10 +20,18 @@ from service.store.database import Row
 SMALL_MARGIN = 3.0  # a passed check with a smaller margin suggests that the tolerance is too tight
 DECADES = range(-4, 13)  # bins of log10(margin); the first and last bins include everything beyond
 EMPTY = "<td></td>"
+STATES = [*graded_file.MARKS]
+STARS = ("", "*")  # of an override
+
+
+def _cell(state: str, text: str) -> str:
+    """Return a table cell; what its mark does not tell is its title."""
+    title = f' title="{graded_file.WORDS[state]}"' if state not in ("pass", "fail") else ""
+    return f'<td class="{state}"{title}>{text}</td>'
+
+
 CELLS = {
-    f"{state}{star}": f'<td class="{state}">{mark}{star}</td>'
-    for state, mark in graded_file.MARKS.items()
-    for star in ("", "*")
+    state + star: _cell(state, mark + star) for state, mark in graded_file.MARKS.items() for star in STARS
 }
 
 
@@ -105,8 +113,29 @@ def cells(outcomes: Mapping[str, str], ids: Iterable[str]) -> list[str]:
     return [CELLS[outcomes[id]] if id in outcomes else EMPTY for id in ids]
 
 
+def exercise_cells(outcomes: Mapping[str, str], exercises: Iterable[Sequence[str]]) -> list[str]:
+    """Return a student's table cells with one per exercise, given by its check ids.
+
+    A cell has ✓ if all checks passed, else how many of those that were made; its colour is that of the first
+    state other than passed.
+    """
+    return [_exercise_cell([outcomes[id] for id in ids if id in outcomes]) for ids in exercises]
+
+
+def _exercise_cell(shown: Sequence[str]) -> str:
+    if not shown:
+        return EMPTY
+    states = [one.removesuffix("*") for one in shown]
+    star = "*" if any(one.endswith("*") for one in shown) else ""
+    right = states.count("pass")
+    if right == len(states):
+        return CELLS[f"pass{star}"]
+    worst = next(state for state in STATES[1:] if state in states)
+    return _cell(worst, f"{right}/{len(states)}{star}")
+
+
 def passed(column: Sequence[str]) -> tuple[int, int]:
-    """Return the numbers of students who passed the check with these cells, and of those it was made for."""
+    """Return the numbers of students who passed what these cells show, and of those it was made for."""
     return column.count(CELLS["pass"]) + column.count(CELLS["pass*"]), len(column) - column.count(EMPTY)
 
 

@@ -64,8 +64,11 @@ async def show_students(
     database: Db,
     sort: Literal["name", "points", "worst", "activity"] = "name",
     show: Literal["all", "no-gain"] = "all",
+    by: Literal["exercise", "check"] = "exercise",
 ) -> Response:
-    """Show the results of all students by check, or of those whose later submissions brought no points."""
+    """Show the results of all students by exercise or check, or of those whose later submissions brought no
+    points.
+    """
     everyone = await gradebook.students(database, assignment.slug)
     most = assignment.max_points()
     no_gain = {s.name for s in everyone if statistics.has_no_gain(s, most)}
@@ -74,11 +77,15 @@ async def show_students(
         students.sort(key=lambda s: -1 if s.final is None else s.final, reverse=sort == "points")
     elif sort == "activity":
         students.sort(key=lambda s: s.sent_at[-1].timestamp() if s.sent_at else 0.0, reverse=True)
-    ids, found = (
-        [c.id for c in assignment.checks()],
-        await outcomes.by_student(database, gradebook.graded(everyone)),
-    )
-    cells = [statistics.cells(found.get(s.grading, {}), ids) for s in students]
+    found = await outcomes.by_student(database, gradebook.graded(everyone))
+    exercises = [[c.id for c in exercise.checks] for exercise in assignment.exercises]
+    ids = [id for checks in exercises for id in checks]
+    cells = [
+        statistics.exercise_cells(found.get(s.grading, {}), exercises)
+        if by == "exercise"
+        else statistics.cells(found.get(s.grading, {}), ids)
+        for s in students
+    ]
     page = _page(
         request,
         "class_students.html",
@@ -90,19 +97,22 @@ async def show_students(
         passed=[statistics.passed(column) for column in zip(*cells, strict=True)],
         sort=sort,
         show=show,
+        by=by,
     )
     return _compressed(request, page)
 
 
 @router.get("/assignments/{slug}/class/checks", response_class=HTMLResponse)
 async def show_checks(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
-    """Show the results, margins and most common causes by check."""
-    students = await gradebook.students(database, assignment.slug)
-    checks = statistics.by_check(assignment, await outcomes.by_check(database, gradebook.graded(students)))
+    """Show what went wrong by cause, and the results and margins by check."""
+    gradings = gradebook.graded(await gradebook.students(database, assignment.slug))
+    checks = statistics.by_check(assignment, await outcomes.by_check(database, gradings))
     return _page(
         request,
         "class_checks.html",
         assignment,
+        causes=await outcomes.by_cause(database, gradings),
+        labels={check.id: check.label for check in assignment.checks()},
         checks=checks,
         decades=statistics.DECADES,
         most_bin=max((max(c.bins) for c in checks), default=0),
@@ -130,7 +140,7 @@ async def show_submissions(
     elif check is not None or state is not None or cause is not None:
         matching = await outcomes.matching(database, gradebook.graded(students), check, state, cause)
         found = [s for s in students if s.grading in matching]
-    label = next((c.label for c in assignment.checks() if c.id == check), check)
+    labels = {c.id: c.label for c in assignment.checks()}
     page = _page(
         request,
         "class_submissions.html",
@@ -140,7 +150,8 @@ async def show_submissions(
         total=len(students),
         equal_names=statistics.equal_names(students),
         check=check,
-        label=label,
+        label=labels.get(check or "", check),
+        labels=labels,
         state=state,
         cause=cause,
     )

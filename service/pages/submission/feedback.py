@@ -15,6 +15,8 @@ from service.auth.roles import CurrentUser, Staff
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
+from service.pages.notebook_text import inline
+from service.pages.regrades import check_labels
 from service.pages.rejected_forms import post_form
 from service.pages.submission import page
 from service.store.course import comments, regrade_requests
@@ -26,10 +28,9 @@ LIST = "/assignments/{slug}/regrade-requests"
 
 @post_form(router, "/submissions/{id}/regrade-requests", page=page.report, at=page.PATH)
 async def request_regrade(person: CurrentUser, form: Form, stored: Submission, database: Db) -> Response:
-    """Request a regrade of one's own submission."""
-    await feedback.request_regrade(
-        database, person, stored, required(form, "reason", regrade_requests.LONGEST)
-    )
+    """Request a regrade of a check of one's own submission, or of all of it."""
+    reason = required(form, "reason", regrade_requests.LONGEST)
+    await feedback.request_regrade(database, person, stored, reason, field(form, "check") or None)
     return RedirectResponse(f"/submissions/{stored.id}#regrade-requests", 303)
 
 
@@ -38,21 +39,35 @@ async def list_requests(request: Request, person: Staff, assignment: Assigned, d
     """Show the regrade requests about an assignment, each open one with the form of its answer."""
     rows = await regrade_requests.of_assignment(database, assignment.slug)
     return templates.TemplateResponse(
-        request, "regrade_requests.html", {"assignment": assignment, "requests": rows}
+        request,
+        "regrade_requests.html",
+        {
+            "assignment": assignment,
+            "requests": rows,
+            "labels": check_labels(assignment),
+            "inline": inline,
+        },
     )
 
 
 @post_form(router, "/submissions/{id}/regrade-requests/{request}/answer", page=page.report, at=page.PATH)
 @post_form(router, LIST + "/{request}/answer", page=list_requests, at=LIST)
-async def answer_request(person: Staff, form: Form, request: str, database: Db) -> Response:
-    """Accept or decline a request, and show its submission."""
+async def answer_request(asked: Request, person: Staff, form: Form, request: str, database: Db) -> Response:
+    """Accept or decline a request. Show the next open one of the assignment's list, or the submission if it
+    was answered there.
+    """
     status = next((one for one in get_args(Answer) if one == field(form, "status")), None)
     if status is None:
         raise Problem(422, "invalid-request", "accept or decline the request", "/status")
     found = await feedback.answer_request(
         database, person, request, status, required(form, "answer", regrade_requests.LONGEST)
     )
-    return RedirectResponse(f"/submissions/{found.submission}#regrade-requests", 303)
+    slug = asked.path_params.get("slug")
+    if slug is None:
+        return RedirectResponse(f"/submissions/{found.submission}#regrade-requests", 303)
+    first, *_ = await regrade_requests.of_assignment(database, slug)
+    place = f"#request-{first.id}" if first.status == "open" else ""
+    return RedirectResponse(f"{LIST.format(slug=slug)}{place}", 303)
 
 
 @post_form(router, "/submissions/{id}/comments", page=page.report, at=page.PATH)

@@ -57,7 +57,7 @@ async def change_in(
     if row is None:
         return None
     settings = row._asdict() | changes
-    if changed := {name: str(value) for name, value in changes.items() if value != getattr(row, name)}:
+    if changed := audit.changes(row._asdict(), changes):
         await connection.execute(_SET, settings | {"slug": slug, "course": COURSE})
         await audit.record(connection, actor, "assignment settings", slug, changed)
     return AssignmentSettings(**settings)

@@ -1,6 +1,7 @@
 """The audit log: record who did what, and read it."""
 
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from typing import Any
 
 from psycopg.types.json import Jsonb
@@ -8,6 +9,21 @@ from psycopg.types.json import Jsonb
 from service.store.database import Connection, Database, Row
 
 MOST = 200
+OLD, NEW = "old", "new"
+"""The keys of a change in the detail of an entry."""
+
+
+def changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the old and the new value of each name in ``after`` whose value differs, for an entry."""
+    return {
+        name: {OLD: _plain(before.get(name)), NEW: _plain(value)}
+        for name, value in after.items()
+        if value != before.get(name)
+    }
+
+
+def _plain(value: Any) -> Any:
+    return value.isoformat() if isinstance(value, datetime) else value
 
 
 async def record(

@@ -23,7 +23,7 @@ class CourseSettings:
 
 async def read(database: Database) -> CourseSettings:
     """Return the settings of the course."""
-    row = await database.one(f"SELECT {_COLUMNS} FROM course WHERE slug = %(course)s", {"course": COURSE})
+    row = await database.one(_READ, {"course": COURSE})
     return CourseSettings(**row._asdict())
 
 
@@ -32,13 +32,17 @@ async def change(
 ) -> None:
     """Store the settings, and the weights of the assignments that are named."""
     async with database.begin() as connection:
+        before = await connection.one(_READ, {"course": COURSE})
         await connection.execute(_SET, asdict(settings) | {"course": COURSE})
         for slug, weight in weights.items():
             await assignment_settings.change_in(connection, slug, {"weight": weight}, actor)
-        await audit.record(connection, actor, "course settings", COURSE, asdict(settings))
+        if changed := audit.changes(before._asdict(), asdict(settings)):
+            await audit.record(connection, actor, "course settings", COURSE, changed)
 
 
-_COLUMNS = "title, term, time_zone, late_penalty, late_penalty_limit"
+_READ = """
+SELECT title, term, time_zone, late_penalty, late_penalty_limit FROM course WHERE slug = %(course)s
+"""
 
 _SET = """
 UPDATE course SET title = %(title)s, term = %(term)s, time_zone = %(time_zone)s,

@@ -15,9 +15,11 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
     """
     values = {"slug": slug, "name": name, "course": COURSE, "due": due_at, "reason": reason, "by": by}
     async with database.begin() as connection:
+        before = await connection.first(_OWN, values)
         if await connection.first(_EXTEND, values) is None:
             return False
-        detail = {"assignment": slug, "due": due_at.isoformat(), "reason": reason}
+        changed = audit.changes({"due": before and before.due_at}, {"due": due_at})
+        detail = {"assignment": slug, **changed, "reason": reason}
         await audit.record(connection, by, "extension", name, detail)
     return True
 

@@ -39,7 +39,8 @@ FROM cell WHERE counted GROUP BY check_id
 """
 
 _BY_CAUSE = f"""{_CELL}
-SELECT code, sentence, count(DISTINCT grading_id) AS students, count(DISTINCT check_id) AS checks
+SELECT code, sentence, count(DISTINCT grading_id) AS students, count(DISTINCT check_id) AS checks,
+    array_agg(DISTINCT check_id) AS check_ids
 FROM cell, unnest(codes, causes) AS cause(code, sentence)
 WHERE shown <> 'pass' GROUP BY code, sentence ORDER BY students DESC, code COLLATE "C", sentence COLLATE "C"
 """
@@ -70,8 +71,8 @@ async def by_check(database: Database, gradings: Sequence[UUID]) -> Mapping[str,
 
 
 async def by_cause(database: Database, gradings: Sequence[UUID]) -> Sequence[Row]:
-    """Return a row per diagnosis, the most common first: ``code``, ``sentence``, and the numbers of
-    ``students`` and ``checks``.
+    """Return a row per diagnosis, the most common first: ``code``, ``sentence``, the numbers of
+    ``students`` and ``checks``, and the ``check_ids``.
     """
     return await database.rows(_BY_CAUSE, {"gradings": gradings})
 

@@ -19,10 +19,13 @@ Status = Literal["open", "accepted", "declined"]
 
 @dataclass(frozen=True)
 class RegradeRequest:
-    """A request about a submission; without an answer while its ``status`` is "open"."""
+    """A request about a check of a submission, None for all of it; without an answer while its ``status`` is
+    "open".
+    """
 
     id: UUID
     submission: UUID
+    check: str | None
     reason: str
     requested_at: datetime
     status: Status
@@ -58,19 +61,25 @@ async def of_assignment(database: Database, slug: str) -> Sequence[Row]:
     return await database.rows(_OF_ASSIGNMENT, {"slug": slug, "course": COURSE})
 
 
-async def request(database: Database, submission: UUID, person: str, reason: str) -> RegradeRequest:
-    """Store a request. Raises RequestRejected if the submission has no report or an open request."""
+async def request(
+    database: Database, submission: UUID, person: str, reason: str, check: str | None = None
+) -> RegradeRequest:
+    """Store a request about a check, None for the whole submission.
+
+    Raises RequestRejected if the submission has no report or an open request.
+    """
     async with database.begin() as connection:
         if (await connection.one(_SCORE, {"submission": submission})).score is None:
             raise RequestRejected(
                 "not-ready", "the submission has no report yet: request a regrade once it is graded"
             )
-        row = await connection.first(_REQUEST, {"submission": submission, "reason": reason})
+        row = await connection.first(_REQUEST, {"submission": submission, "reason": reason, "check": check})
         if row is None:
             raise RequestRejected(
                 "changed-meanwhile", "a regrade request for this submission is open: wait for its answer"
             )
-        await audit.record(connection, person, "regrade request", str(submission), {"reason": reason})
+        detail = {"reason": reason} | ({"check": check} if check else {})
+        await audit.record(connection, person, "regrade request", str(submission), detail)
     return RegradeRequest(**row._asdict())
 
 
@@ -95,14 +104,18 @@ async def answer(
     return RegradeRequest(**row._asdict())
 
 
-_COLUMNS = "id, submission_id AS submission, reason, requested_at, status, answer, answered_by, answered_at"
+_COLUMNS = (
+    'id, submission_id AS submission, check_id AS "check", reason, requested_at, status, answer, answered_by,'
+    " answered_at"
+)
 
 _OF_SUBMISSION = (
     f"SELECT {_COLUMNS} FROM regrade_request WHERE submission_id = %(submission)s ORDER BY requested_at, id"
 )
 
 _OF_ASSIGNMENT = f"""
-SELECT q.id, q.submission_id AS submission, q.reason, q.requested_at, q.status, q.answer, q.answered_by,
+SELECT q.id, q.submission_id AS submission, q.check_id AS "check", q.reason, q.requested_at, q.status,
+    q.answer, q.answered_by,
     q.answered_at,
     p.name AS person, p.full_name, given.points, shown.total
 FROM regrade_request q JOIN submission s ON s.id = q.submission_id JOIN person p ON p.id = s.person_id
@@ -114,8 +127,8 @@ ORDER BY q.answered_at DESC NULLS FIRST, q.requested_at LIMIT {MOST}
 _SCORE = f"SELECT shown.score FROM submission s JOIN {SHOWN} WHERE s.id = %(submission)s"
 
 _REQUEST = f"""
-INSERT INTO regrade_request (submission_id, reason) VALUES (%(submission)s, %(reason)s) ON CONFLICT DO NOTHING
-    RETURNING {_COLUMNS}
+INSERT INTO regrade_request (submission_id, check_id, reason) VALUES (%(submission)s, %(check)s, %(reason)s)
+    ON CONFLICT DO NOTHING RETURNING {_COLUMNS}
 """
 
 _ANSWER = f"""

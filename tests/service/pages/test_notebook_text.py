@@ -3,7 +3,7 @@
 import json
 
 from exercises.authoring.assignments.catalogue import assignments
-from service.pages.notebook_text import Block, blocks
+from service.pages.notebook_text import Block, blocks, inline
 
 
 def cell(kind, source):
@@ -28,6 +28,13 @@ def test_cells_are_headings_text_and_code():
 def test_markup_stays_text():
     (block,) = read(cell("markdown", "<script>alert(1)</script> `<b>`"))
     assert block.text == "&lt;script&gt;alert(1)&lt;/script&gt; <code>&lt;b&gt;</code>"
+
+
+def test_a_comment_has_markdown_and_its_markup_stays_text():
+    assert inline("**see** `w[0]` and $\\omega$ <b>") == (
+        "<b>see</b> <code>w[0]</code> and $\\omega$ &lt;b&gt;"
+    )
+    assert "\u202e" not in inline("a\u202eb")
 
 
 def test_every_notebook_can_be_read():

@@ -136,7 +136,7 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     page = people["prof"].open("/queue")[1]
     assert "cancelled by tutor" in page and "Nothing is being graded" in page
     assert (
-        "cancel" in people["prof"].open("/audit?subject=ann")[1]
+        "cancelled a grading of" in people["prof"].open("/audit?subject=ann")[1]
         and "No entries for zoe." in people["prof"].open("/audit?subject=zoe")[1]
     )
 

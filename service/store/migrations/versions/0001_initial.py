@@ -261,6 +261,7 @@ def _create_feedback() -> None:
     CREATE TABLE regrade_request (
         id uuid PRIMARY KEY DEFAULT gen_random_uuid(),
         submission_id uuid NOT NULL REFERENCES submission,
+        check_id text, -- null: the whole submission
         reason text NOT NULL,
         requested_at timestamptz NOT NULL DEFAULT now(),
         status text NOT NULL DEFAULT 'open' CHECK (status IN ('open', 'accepted', 'declined')),

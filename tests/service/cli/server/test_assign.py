@@ -64,7 +64,8 @@ def test_each_rule_can_be_removed(assign, database_url):
         )
     ]
     assert len(recorded) == 4, "showing the settings is no change"
-    assert recorded[1] == {"due_at": "None"} and recorded[3] == {"grace_s": "0.0", "weight": "2.5"}
+    assert recorded[1]["due_at"]["new"] is None and recorded[1]["due_at"]["old"].endswith("+00:00")
+    assert recorded[3]["weight"] == {"old": 1.0, "new": 2.5} and recorded[3]["grace_s"]["new"] == 0.0
 
 
 def test_it_can_be_hidden_until_a_time(assign):

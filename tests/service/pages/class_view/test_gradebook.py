@@ -9,6 +9,7 @@ from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
 
 import pytest
+from markupsafe import escape
 
 from polhode.judging.outcome import Diagnosis, SweepResult, SweptPoint
 from polhode.report.document import document
@@ -89,7 +90,7 @@ def test_the_class_has_tabs_each_a_page_of_its_own(looks):
 
 
 def test_the_class_by_check(looks):
-    page = looks("helper", STUDENTS)[1]
+    page = looks("helper", f"{STUDENTS}?by=check")[1]
     assert (
         page.count(
             '<tr><th scope="row"><a href="/person?name=zoe">Zoe &lt;b&gt;Adams&lt;/b&gt;</a></th><td>–</td>'
@@ -101,16 +102,45 @@ def test_the_class_by_check(looks):
             r'<tr><th scope="row"><a href="[^"]*">(\w+)</a></th><td><a[^>]*>(?:.*?)</td>(.*?)</tr>', page
         )
     )
-    marks = {name: re.findall(r'<td class="(\w+)">(.)</td>', cells) for name, cells in rows.items()}
+    marks = {name: re.findall(r'<td class="(\w+)"[^>]*>(.)</td>', cells) for name, cells in rows.items()}
     assert marks["ann"] == [("pass", "✓"), ("pass", "✓")] and marks["ben"] == [
         ("fail", "✗"),
-        ("timeout", "⏱"),
+        ("timeout", "–"),
     ]
-    assert marks["cleo"][1] == ("error", "!") and marks["dan"] == []
+    assert marks["cleo"][1] == ("error", "–") and marks["dan"] == []
     assert page.count('<th scope="col"><a href') == len(ASSIGNMENT.checks())
+    assert 'title="stopped by an error or an unusable value">–<' in page
+    assert all(f">{escape(check.label)}</a></th>" in page for check in ASSIGNMENT.checks())
     page = looks("helper", f"{CLASS}/checks")[1]
     assert "1 of 3 (33%)" in page and "! small" in page and "<img src=x" not in page
     assert "<img src=x" not in looks("helper", CLASS)[1]
+
+
+def test_the_class_by_exercise_has_a_cell_per_exercise(looks):
+    page = looks("helper", STUDENTS)[1]
+    assert page.count('class="exercise"') == len(ASSIGNMENT.exercises)
+    ann, ben = (
+        re.search(rf'<a href="/person\?name={name}">.*?</tr>', page, re.DOTALL)[0] for name in ("ann", "ben")
+    )
+    assert '<td class="pass">✓</td>' in ann and '<td class="fail">0/2</td>' in ben
+    assert re.search(r'<td><time[^>]*title="[^"]*">now</time></td></tr>', ann), "the activity stands last"
+
+
+def test_a_cell_of_an_exercise_has_the_first_state_that_is_not_passed():
+    def cells(**states):
+        return statistics.exercise_cells(states, [["a", "b", "c"], ["d"]])
+
+    assert cells(a="pass", b="pass*") == ['<td class="pass">✓*</td>', "<td></td>"]
+    assert cells(a="pass", b="timeout", c="fail")[0] == '<td class="fail">1/3</td>'
+    assert cells(d="error*")[1].startswith('<td class="error" title="stopped by an error')
+    assert statistics.passed([*cells(a="pass"), *cells(a="fail")]) == (1, 2)
+
+
+def test_checks_are_grouped_by_cause(looks):
+    page = looks("helper", f"{CLASS}/checks")[1]
+    causes = page.partition("By cause")[2].partition("By check")[0]
+    sentence = escape(SLIP.sentence)
+    assert f">{sentence}</a></th><td>" in causes and "rotational energy conserved (torque-free)</a>" in causes
 
 
 def test_students_are_sorted_and_those_who_gain_nothing_are_found(looks, url):

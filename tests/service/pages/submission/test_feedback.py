@@ -41,7 +41,7 @@ def test_a_request_its_answer_and_what_the_student_reads(browsers, page):
     own_action = action.replace(LIST, f"{page}/regrade-requests")
     assert own_action in tutor.open(page)[1] and own_action not in shown
     status, shown = tutor.send(action, LIST, answer="no, see <i>here</i>", status="declined")
-    assert status == 200 and tutor.at == f"{page}#regrade-requests"
+    assert status == 200 and tutor.at == LIST, "no other request is open"
     read = ann.open(page)[1]
     assert (
         "<b>Declined</b> by tutor" in read
@@ -51,7 +51,27 @@ def test_a_request_its_answer_and_what_the_student_reads(browsers, page):
     own = ann.open("/assignments/rigid-body")[1]
     assert f'<a href="{page}#regrade-requests">regrade request declined</a>' in own
     assert action not in tutor.open(LIST)[1] and "regrade request<" not in tutor.open("/")[1]
-    assert "regrade request declined" in tutor.open(f"/audit?subject={page.rsplit('/', 1)[1]}")[1]
+    assert "declined the regrade request for" in tutor.open(f"/audit?subject={page.rsplit('/', 1)[1]}")[1]
+
+
+def test_a_request_is_about_a_check_and_the_next_one_follows_its_answer(browsers, page, url):
+    ann, tutor = browsers["ann"], browsers["tutor"]
+    shown = ann.open(page)[1]
+    assert '<option value="2-energy">2: rotational energy conserved' in shown
+    status, shown = ann.send(f"{page}/regrade-requests", page, reason=WHY, check="no-such")
+    assert status == 422 and "the report has no check no-such: choose another" in shown
+    assert ann.send(f"{page}/regrade-requests", page, reason=WHY, check="2-energy")[0] == 200
+    label = "2: rotational energy conserved (torque-free)"
+    assert f'<a href="#check-2-energy">{label}</a>' in ann.open(page)[1]
+    other = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗'}))}"
+    assert ann.send(f"{other}/regrade-requests", other, reason="too")[0] == 200
+    listed = tutor.open(LIST)[1]
+    assert f'<a href="{page}#check-2-energy">{label}</a>' in listed and "The whole submission" in listed
+    first, second = re.findall(rf'action="{LIST}/([^"]+)/answer"', listed)
+    tutor.send(f"{LIST}/{first}/answer", LIST, answer="yes", status="accepted")
+    assert tutor.at == f"{LIST}#request-{second}"
+    tutor.send(f"{LIST}/{second}/answer", LIST, answer="no", status="declined")
+    assert tutor.at == LIST
 
 
 @pytest.mark.parametrize(
@@ -109,6 +129,14 @@ def test_a_comment_stands_at_its_line_until_it_is_deleted(browsers, page):
 def test_a_comment_needs_words_and_an_existing_line(browsers, page, fields, message):
     status, shown = browsers["tutor"].send(f"{page}/comments", page, **{"cell": "1", **fields})
     assert status == 422 and message in shown
+
+
+def test_comments_and_answers_have_markdown(browsers, page):
+    ann, tutor = browsers["ann"], browsers["tutor"]
+    tutor.send(f"{page}/comments", page, cell="1", line="1", comment="use `np.cross` <script>")
+    ann.send(f"{page}/regrade-requests", page, reason="**right**")
+    shown = tutor.open(page)[1]
+    assert shown.count("use <code>np.cross</code> &lt;script&gt;") == 2 and "<b>right</b>" in shown
 
 
 def test_a_commented_line_of_a_long_source_is_shown():

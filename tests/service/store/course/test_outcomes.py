@@ -68,7 +68,7 @@ def test_causes_count_students_and_an_override_takes_a_cause_away(database_url):
         return await hand_in(database, "ben", {"2-energy": ("✗", 0.1, SLIP)})
 
     ben = run(database_url, fill)
-    assert [tuple(row) for row in ask(database_url, outcomes.by_cause)] == [
+    assert [tuple(row)[:4] for row in ask(database_url, outcomes.by_cause)] == [
         (SLIP.code, SLIP.sentence, 2, 2), (RAISED.code, RAISED.sentence, 1, 1)]  # fmt: skip
     sql(database_url, GIVE, ben, "2-energy", 1)
     assert {row.sentence: row.students for row in ask(database_url, outcomes.by_cause)} == {

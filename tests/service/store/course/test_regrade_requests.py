@@ -41,6 +41,17 @@ def test_a_request_and_its_answer(database_url):
     ]
 
 
+def test_a_request_may_be_about_a_check(database_url):
+    sent = graded(database_url, "ann", "+-")
+    made = run(database_url, lambda d: request(d, sent, "ann", "it is right", "2-energy"))
+    assert made.check == "2-energy" and run(database_url, lambda d: of_submission(d, sent)) == [made]
+    (listed,) = run(database_url, lambda d: of_assignment(d, "rigid-body"))
+    assert listed.check == "2-energy"
+    assert sql(database_url, "SELECT detail FROM audit") == [
+        ({"reason": "it is right", "check": "2-energy"},)
+    ]
+
+
 def test_a_second_request_waits_for_the_answer_to_the_first(database_url):
     sent, other = graded(database_url, "ann", "+-"), graded(database_url, "ann", "--")
     first = requested(database_url, sent)

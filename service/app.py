@@ -35,25 +35,11 @@ from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
-from service.pages import (
-    account,
-    api_reference,
-    course,
-    course_settings,
-    edit_person,
-    extensions,
-    first_run,
-    login,
-    notebook_lines,
-    people,
-    queue,
-    regrades,
-    roster,
-    setup,
-    speed_vs_accuracy,
-    view_as,
-)
+from service.pages import account, api_reference, login, queue, regrades, speed_vs_accuracy
 from service.pages.class_view import gradebook, tabs
+from service.pages.course import first_run, home, notebook_lines, setup
+from service.pages.course import settings as course_settings
+from service.pages.people import editing, extensions, listing, roster, view_as
 from service.pages.rejected_forms import form_state
 from service.pages.submission import feedback as feedback_pages
 from service.pages.submission import overrides, page
@@ -76,12 +62,12 @@ ROUTERS = (
     device_login.router,
 )
 PAGES = (
-    course.router,
+    home.router,
     first_run.router,
     setup.router,
     view_as.router,
-    people.router,
-    edit_person.router,
+    listing.router,
+    editing.router,
     extensions.router,
     roster.router,
     course_settings.router,
@@ -146,7 +132,7 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
     files = StaticFiles(directory=Path(__file__).parent / "pages" / "static")
     # pages are not: compression can leak a form's token
     app.mount("/static", GZipMiddleware(files, compresslevel=6))
-    app.include_router(course.others, include_in_schema=False)
+    app.include_router(home.others, include_in_schema=False)
     return app
 
 

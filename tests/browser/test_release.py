@@ -7,7 +7,7 @@ import pytest
 from tests.support.database import run
 from tests.support.submissions import hand_in
 
-pytestmark = pytest.mark.slow  # tests/service/pages/test_course_settings.py has the requests of each step
+pytestmark = pytest.mark.slow  # tests/service/pages/course/test_settings.py has the requests of each step
 BASE = "/assignments/rigid-body"
 
 

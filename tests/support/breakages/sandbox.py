@@ -334,7 +334,7 @@ SANDBOX = [
         "service/formats/grade_row.py",
         "round(self.points - self.penalty, 2)",
         "round(self.points, 2)",
-        ("tests/service/pages/test_course_settings.py",),
+        ("tests/service/pages/course/test_settings.py",),
     ),
     Breakage(
         "an array of another shape than asked for is believed",

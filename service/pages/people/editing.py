@@ -18,7 +18,7 @@ from service.http.requests import PublicAddress
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import form_times
-from service.pages.people import PersonName, find_person, show_person
+from service.pages.people.listing import PersonName, find_person, show_person
 from service.pages.rejected_forms import post_form
 from service.store.course import audit, deadlines
 from service.store.database import Connection

@@ -13,8 +13,8 @@ from service.auth import forms
 from service.auth.roles import Instructor, Staff
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages import course_settings as settings_page
 from service.pages import form_times
+from service.pages.course import settings as settings_page
 from service.pages.rejected_forms import post_form
 from service.store.course import assignment_settings, course_settings
 from service.store.database import Row

@@ -20,8 +20,9 @@ from service.formats.grade_row import total_percent
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages import course_cards, notebook_text, task
-from service.pages.audit_words import tell
+from service.pages import notebook_text
+from service.pages.course import cards, task
+from service.pages.course.audit_words import tell
 from service.pages.rejected_forms import post_form
 from service.store.course import course_settings, deadlines, gradebook
 from service.store.course.audit import MOST, entries
@@ -45,7 +46,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     mine = {row.slug: row for row in own_rows}
     counted = [] if staff else await grades(database, person=person.name)
     own = [one for one in counted if one.assignment in order and one.released]
-    groups = course_cards.groups(overview, mine, order)
+    groups = cards.groups(overview, mine, order)
     context = {
         "staff": staff,
         "course": await course_settings.read(database),
@@ -58,7 +59,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "lines": staff and any(map(line_counts, assignments().values())),
         "overview": overview,
         "groups": groups,
-        "next": course_cards.next_deadline(groups, mine),
+        "next": cards.next_deadline(groups, mine),
         "weights": sum(row.weight for row in overview if row.published),
         "medians": await gradebook.medians(database) if staff else {},
         "standings": mine,

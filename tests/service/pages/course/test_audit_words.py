@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from service.http import templating
-from service.pages.audit_words import Value, tell
+from service.pages.course.audit_words import Value, tell
 
 
 def told(action, detail, subject="ann"):

@@ -10,15 +10,15 @@ from service.auth.roles import OptionalUser, Staff
 from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
 from service.http.state import Db
-from service.pages import course, setup
-from service.pages.people import PersonName, find_person, show_person
+from service.pages.course import home, setup
+from service.pages.people.listing import PersonName, find_person, show_person
 from service.pages.rejected_forms import post_form
 from service.store.course import audit
 
 router = APIRouter()
 
 
-@post_form(router, "/view", page=course.index, at="/")
+@post_form(router, "/view", page=home.index, at="/")
 @post_form(router, "/setup/view", page=setup.show, at="/setup")
 async def as_a_student(person: Staff, form: forms.Form, cookies: BrowserCookies) -> Response:
     """Show the pages from now on as to a student who has submitted what the member of the staff has."""

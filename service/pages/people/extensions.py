@@ -15,7 +15,7 @@ from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages import form_times
-from service.pages.course_settings import overview
+from service.pages.course.settings import overview
 from service.pages.rejected_forms import post_form
 from service.store.course import deadlines
 from service.store.database import Row

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from service.pages.course_cards import groups, next_deadline
+from service.pages.course.cards import groups, next_deadline
 
 ORDER = ["a", "b", "c", "d"]
 

@@ -16,7 +16,7 @@ from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem, wants_page
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages.people import show_people
+from service.pages.people.listing import show_people
 from service.pages.rejected_forms import post_form
 from service.store.database import Database
 from service.store.people import tokens

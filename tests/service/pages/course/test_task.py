@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from service.pages import task
+from service.pages.course import task
 
 
 def test_each_exercise_has_its_names_points_and_progress(rigid_body):

@@ -14,7 +14,7 @@ import httpx2
 import psycopg
 
 from bench.queue import server
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.store.course import gradebook
 from service.store.people.people import COURSE
 from service.store.postgres.server import running_url

@@ -16,7 +16,6 @@ from exercises.authoring.assignments.catalogue import load_catalogue
 from service.api import (
     events,
     exports,
-    feedback,
     figures,
     health,
     kit,
@@ -26,23 +25,26 @@ from service.api import (
 from service.api import (
     past_submissions as history,
 )
+from service.api import (
+    requests_and_comments as feedback,
+)
 from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
+from service.auth.cookies import Secret
 from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import LoginRateLimiter
-from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import account, api_reference, login, queue, regrades, speed_vs_accuracy
-from service.pages.class_view import gradebook, tabs
-from service.pages.course import first_run, home, notebook_lines, setup
+from service.pages.class_view import assignment_rules, tabs
+from service.pages.course import first_run, home, imported_lines, setup
 from service.pages.course import settings as course_settings
 from service.pages.people import editing, extensions, listing, roster, view_as
 from service.pages.rejected_forms import form_state
-from service.pages.submission import feedback as feedback_pages
 from service.pages.submission import overrides, page
+from service.pages.submission import requests_and_comments as feedback_pages
 from service.settings import Settings
 from service.store.database import Database
 from service.store.people.people import secret
@@ -71,9 +73,9 @@ PAGES = (
     extensions.router,
     roster.router,
     course_settings.router,
-    notebook_lines.router,
+    imported_lines.router,
     tabs.router,
-    gradebook.router,
+    assignment_rules.router,
     exports.router,
     queue.router,
     regrades.router,

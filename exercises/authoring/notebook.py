@@ -21,12 +21,12 @@ from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.codes import CODES
 from exercises.authoring.declaration import Declaration
+from exercises.authoring.declaration_errors import raised
 from exercises.authoring.draws import Drawing, JointDraw, ListDraw
 from exercises.authoring.points import with_points, without_points
 from exercises.authoring.questions import author_notebook
 from exercises.authoring.questions.author_notebook import NUMBER, SEPARATOR, Cell, InvalidNotebook
 from exercises.authoring.questions.question import Question
-from exercises.authoring.raised import raised
 from exercises.authoring.solutions import NotebookSolution, Solutions
 from polhode.notebook.names import names_in
 

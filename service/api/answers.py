@@ -18,7 +18,7 @@ Status = Literal["queued", "running", "graded", "faulted"]
 
 
 def model_of(kind: Any) -> Any:
-    """Return the type of what ``polhode.report.document`` writes for values of the type ``kind``; of a
+    """Return the type of what ``polhode.report.dataclass_json`` writes for values of the type ``kind``; of a
     dataclass, a model.
     """
     if is_dataclass(kind):
@@ -38,7 +38,7 @@ def model_of(kind: Any) -> Any:
 
 
 _REPORT = model_of(Report).__pydantic_core_schema__
-# ``polhode.report.document`` has written it, so it is described but not validated again.
+# ``polhode.report.dataclass_json`` has written it, so it is described but not validated again.
 ReportDocument = Annotated[
     dict[str, Any], GetPydanticSchema(get_pydantic_json_schema=lambda _, handler: handler(_REPORT))
 ]

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from contextlib import closing
 from datetime import UTC, datetime
 
-from polhode.report.document import read as read_document
+from polhode.report.dataclass_json import read as read_document
 from polhode.report.report import Report
 from service.formats.filenames import UniqueNames, ZipStream, safe_filename
 from service.formats.grade_row import moment

@@ -17,7 +17,7 @@ from exercises.authoring.assignments.assignment import Assignment, InvalidAssign
 from exercises.authoring.assignments.catalogue import assignments, find
 from exercises.authoring.importing.lines import is_self_reported
 from polhode.client import build as kit
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from polhode.report.report import Report
 from service.api import answers, parse_submission
 from service.api.health import WorkerStatus

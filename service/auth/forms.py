@@ -8,9 +8,9 @@ from fastapi import Depends, Request
 from markupsafe import Markup
 from starlette.datastructures import FormData, UploadFile
 
+from service.auth.cookies import BrowserCookies, Cookies
 from service.auth.identity import Person, same_origin
 from service.auth.roles import CurrentUser, OptionalUser
-from service.auth.sessions import BrowserCookies, Cookies
 from service.http.errors import Problem, encodable
 from service.http.requests import read_capped
 

@@ -11,9 +11,9 @@ from uuid import UUID
 from fastapi import Depends, Request
 from fastapi.security import HTTPBearer
 
-from service.auth import sessions
+from service.auth import cookies
+from service.auth.cookies import BrowserCookies
 from service.auth.jupyterhub import Hub
-from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
 from service.http.requests import PublicAddress, is_own_host
 from service.http.state import Config, Db, Held
@@ -22,7 +22,7 @@ from service.store.database import Database
 from service.store.people import first_instructor, people, tokens
 
 LOCAL = "local"  # the only person in single-user mode
-COOKIE = sessions.COOKIE
+COOKIE = cookies.COOKIE
 STAFF = ("assistant", "instructor")
 # The OpenAPI document declares it. ``identify`` reads the header itself, because JupyterHub sends the scheme
 # "token" too.
@@ -186,7 +186,7 @@ async def _by_header(request: Request, settings: Settings, database: Database) -
         raise Problem(401, "nobody", f"the header {header} does not contain a valid name: {error}") from None
 
 
-async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | None:
+async def _by_cookie(cookies: cookies.Cookies, database: Database) -> Person | None:
     if (secret := cookies.session()) is None:
         return None
     info = await tokens.find(database, secret)
@@ -213,7 +213,7 @@ async def _single_user(request: Request, settings: Settings, database: Database)
     return Person(LOCAL, frozenset(tokens.SCOPES), "instructor", single_user=True)
 
 
-async def _as_student(person: Person, cookies: sessions.Cookies, database: Database) -> Person:
+async def _as_student(person: Person, cookies: cookies.Cookies, database: Database) -> Person:
     """Return the student as whom a member of the staff has chosen to see the pages, else ``person``."""
     name = cookies.viewed_as(person.name) if person.role in STAFF else None
     if name is None:

@@ -15,8 +15,8 @@ from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import RedirectResponse
 from itsdangerous import BadData
 
+from service.auth.cookies import BrowserCookies
 from service.auth.roles import OptionalUser
-from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
 from service.http.requests import LONGEST_PATH, PublicAddress, local_path
 from service.http.state import Config, Db, Held

@@ -17,7 +17,7 @@ from limits import RateLimitItem, RateLimitItemPerMinute
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
-from service.auth.sessions import Cookies
+from service.auth.cookies import Cookies
 from service.http.errors import Problem
 from service.http.requests import network
 

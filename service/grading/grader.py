@@ -7,7 +7,7 @@ from collections.abc import Collection
 from exercises.authoring.assignments.assignment import Assignment, Sweep
 from exercises.authoring.assignments.sweep import compared
 from polhode.judging.outcome import SweepResult
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from polhode.report.report import Report
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.diagnosis.matching_variants import LIMITS

@@ -5,7 +5,7 @@ import uuid
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
-from service.auth import passwords, sessions
+from service.auth import cookies, passwords
 from service.auth.forms import Form, field, raw_field
 from service.auth.identity import Person
 from service.auth.passwords import PasswordChecker
@@ -87,7 +87,7 @@ async def logout_everywhere(person: CurrentUser, form: Form, database: Db) -> Re
     async with database.begin() as connection:
         count = await tokens.end_sessions(connection, person.name)
         await audit.record(connection, person.name, "log out everywhere", person.name, {"count": count})
-    return sessions.clear_session(RedirectResponse("/login?out=1", 303))
+    return cookies.clear_session(RedirectResponse("/login?out=1", 303))
 
 
 def _check_account(person: Person) -> None:

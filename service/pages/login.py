@@ -7,14 +7,14 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 from pydantic import AfterValidator
 
-from service.auth import sessions
+from service.auth import cookies
+from service.auth.cookies import BrowserCookies
 from service.auth.forms import PublicForm, SameOrigin, field, raw_field
 from service.auth.identity import Person, Visitor, by_token
 from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import LoginRateLimiter, keys_of, keys_of_code
 from service.auth.roles import OptionalUser
-from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem, wants_page
 from service.http.requests import LONGEST_PATH, local_path
 from service.http.state import Config, Db, Held
@@ -125,7 +125,7 @@ async def logout(origin: SameOrigin, person: OptionalUser, database: Db) -> Resp
     if person is not None and person.session:
         async with database.begin() as connection:
             await tokens.revoke(connection, id=person.session)
-    return sessions.clear_session(RedirectResponse("/login?out=1", 303))
+    return cookies.clear_session(RedirectResponse("/login?out=1", 303))
 
 
 def _check_login_scope(person: Person) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from docs import authored
 from exercises.authoring import Ask
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.isolation.select import choose, with_packages

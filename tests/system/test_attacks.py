@@ -27,7 +27,7 @@ import pytest
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.judge import Verdict
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import job, session

@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.cli.arguments import add_exercise, count, seed
 from service.cli.batch_progress import Progress
 from service.cli.grading import report_options

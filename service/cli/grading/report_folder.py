@@ -7,7 +7,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.cli.output_file import write
 from service.formats import html
 from service.formats.filenames import UniqueNames

@@ -17,7 +17,7 @@ from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import Sample, samples
 from exercises.authoring.mutants.mistakes import MadeSample
 from polhode.judging.judge import MARKS, Verdict
-from polhode.report.document import read
+from polhode.report.dataclass_json import read
 from polhode.report.report import Report
 from service.cli.server.demo_class import STUDENTS, add_class, logins
 from service.settings import Settings

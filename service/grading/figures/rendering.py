@@ -14,7 +14,7 @@ from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Figure
 from polhode.judging.outcome import SweepResult
 from polhode.report import figure_files
-from polhode.report.document import read
+from polhode.report.dataclass_json import read
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.figures import chart_card
 from service.grading.figures.chart_drawing import draw as draw_chart

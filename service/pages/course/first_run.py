@@ -4,10 +4,10 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from service.auth import forms, passwords
+from service.auth.cookies import BrowserCookies
 from service.auth.identity import LOCAL, Person
 from service.auth.passwords import PasswordChecker
 from service.auth.roles import OptionalUser
-from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates

@@ -6,8 +6,8 @@ from fastapi import APIRouter, Response
 from fastapi.responses import RedirectResponse
 
 from service.auth import forms
+from service.auth.cookies import BrowserCookies
 from service.auth.roles import OptionalUser, Staff
-from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
 from service.http.state import Db
 from service.pages.course import home, setup

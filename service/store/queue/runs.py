@@ -10,7 +10,7 @@ from uuid import UUID
 
 from psycopg.types.json import Jsonb
 
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from polhode.report.report import Report
 from service.grading.graded_file import state
 from service.grading.submission import Submission

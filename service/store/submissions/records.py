@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
-from polhode.report.document import read as read_document
+from polhode.report.dataclass_json import read as read_document
 from polhode.report.report import Report
 from service.grading.submission import Submission
 from service.store.database import Database, Row

@@ -14,8 +14,8 @@ from fastapi import Request
 from psycopg import sql as part
 
 from service.auth import forms
+from service.auth.cookies import Cookies
 from service.auth.identity import Person
-from service.auth.sessions import Cookies
 from service.store.people import people, tokens
 from tests.support.database import entered, new_database, run, sql
 

@@ -6,7 +6,7 @@ import pytest
 
 from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import Verdict
-from polhode.report.document import document, read
+from polhode.report.dataclass_json import document, read
 from polhode.report.report import Report
 from service.grading.grade import UnknownExercise, grade
 from service.grading.sandbox_job import draw_inputs

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.grading import grader
 from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering

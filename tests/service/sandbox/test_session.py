@@ -10,7 +10,7 @@ import pytest
 
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission

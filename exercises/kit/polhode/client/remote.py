@@ -18,7 +18,7 @@ from polhode.client.transport.http import CONTACT_S, Event, RequestError, call, 
 from polhode.judging.return_value import is_empty
 from polhode.notebook.gather import Bundle, CannotSend, gather, whole_notebook
 from polhode.notebook.outputs import is_notebook, strip_outputs
-from polhode.report.document import NotADocument, read
+from polhode.report.dataclass_json import NotADocument, read
 from polhode.report.report import Report
 
 PATIENCE_S = 300.0  # with a server that stored the submission: it may restart meanwhile

@@ -15,7 +15,7 @@ from exercises.authoring.assignments.validation import format_error
 from exercises.authoring.mutants.mistakes import UNSEEN, MadeSample
 from polhode.judging.judge import Verdict
 from polhode.kinds import NEW_INPUTS
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from polhode.report.report import Report
 from service.cli.authoring.verify.published_notebook import notebook_differences
 from service.cli.authoring.verify.tally import Tally, cpu_warning

@@ -7,7 +7,7 @@ from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.samples import Sample, SampleSet, codes, entry, with_entries
 from polhode.judging.judge import MARKS
 from polhode.judging.outcome import Ended
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from polhode.report.report import Report
 from service.cli.authoring.verify.tally import Tally, cpu_warning
 from service.cli.batch_progress import Progress

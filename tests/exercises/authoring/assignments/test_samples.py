@@ -11,7 +11,7 @@ import pytest
 
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import samples
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

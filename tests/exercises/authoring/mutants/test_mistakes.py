@@ -2,7 +2,7 @@
 
 import pytest
 
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

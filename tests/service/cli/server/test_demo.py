@@ -17,7 +17,7 @@ import pytest
 
 from exercises.authoring.assignments.samples import samples
 from polhode.judging.outcome import Diagnosis
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.cli.server import demo
 from service.cli.server.demo_class import add_class
 from service.settings import Settings

@@ -14,7 +14,7 @@ from polhode.client import remote
 from polhode.client.build import build
 from polhode.client.transport import http
 from polhode.judging.outcome import Picture
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from tests.support.fake_server import Scripted, browser, event, hangs_up, problem, says, streams
 from tests.support.reports import outcome, report
 

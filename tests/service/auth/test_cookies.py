@@ -5,7 +5,7 @@ import time
 import pytest
 from fastapi import Request
 
-from service.auth.sessions import KNOWN, KNOWN_S, Cookies
+from service.auth.cookies import KNOWN, KNOWN_S, Cookies
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.datastructures import FormData
 
-from service.api import feedback
+from service.api import requests_and_comments as feedback
 from service.api.submissions import Assigned, Submission
 from service.auth.forms import Form, field, required
 from service.auth.roles import CurrentUser, Staff

@@ -12,7 +12,7 @@ import pytest
 from markupsafe import escape
 
 from polhode.judging.outcome import Diagnosis, SweepResult, SweptPoint
-from polhode.report.document import document
+from polhode.report.dataclass_json import document
 from service.pages.class_view import charts, statistics
 from service.store.course import outcomes
 from service.store.course.gradebook import StudentRow, graded, students

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import reference
-from exercises.authoring.kinds.recognised_motion import AS_FUNCTION, own_motion
+from exercises.authoring.kinds.motion_behind_animation import AS_FUNCTION, own_motion
 
 I, W0, T = (1.0, 1.0, 1.6), (0.2, 0.3, 3.0), np.linspace(1.0, 9.0, 80)
 TURN = Rotation.from_rotvec([0.2, -0.4, 0.9]).as_matrix()

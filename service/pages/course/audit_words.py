@@ -65,9 +65,6 @@ FIELDS = {
 }
 """The words for recorded names that are not words already."""
 
-PAIRS = ("points", "role", "full_name", "email", "student_id", "section")
-"""Names whose value is a list of the value before and the value after."""
-
 SUBMISSION, REGRADE = "submission", "regrade"
 KINDS = {
     **dict.fromkeys(("regrade begun", "regrade applied", "regrade dropped"), REGRADE),
@@ -123,8 +120,6 @@ def _value(name: str, value: object) -> Value:
     words = FIELDS.get(name, name.replace("_", " "))
     if isinstance(value, Mapping) and value.keys() == {OLD, NEW}:
         return Value(words, _text(name, value[OLD]), _text(name, value[NEW]))
-    if name in PAIRS and isinstance(value, list):
-        return Value(words, _text(name, value[0]), _text(name, value[-1]))
     return Value(words, "", _text(name, value))
 
 

@@ -167,7 +167,8 @@ async def _record_change(
 ) -> None:
     after = await connection.one(_SHOWN, {"id": submission})
     action = change.pop("action")
-    detail = {"person": before.person, **change, "points": [before.points, after.points]}
+    points = {audit.OLD: before.points, audit.NEW: after.points}
+    detail = {"person": before.person, **change, "points": points}
     await audit.record(connection, actor, action, str(submission), detail)
     await runs.notify_in(connection, submission)
 

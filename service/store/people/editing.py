@@ -62,8 +62,7 @@ async def change(
             raise LastInstructor
     if changes:
         await enroll(connection, [(name, *(changes.get(field) for field in FIELDS))])
-        detail = {field: [present[field], value] for field, value in changes.items()}
-        await audit.record(connection, by, "person", name, detail)
+        await audit.record(connection, by, "person", name, audit.changes(present, changes))
 
 
 async def _lock(connection: Connection) -> None:

@@ -38,7 +38,7 @@ def test_a_change_has_the_old_and_the_new_value_in_the_time_zone_of_the_course(n
 
 def test_submissions_and_regrades_have_a_page():
     id = "12345678-1234-1234-1234-123456789012"
-    entry = told("override", {"person": "ann", "check": None, "points": [1, 2]}, id)
+    entry = told("override", {"person": "ann", "check": None, "points": {"old": 1, "new": 2}}, id)
     assert (entry.about, entry.kind) == ("submission 12345678", "submission")
     assert entry.values == [Value("person", "", "ann"), Value("points", "1", "2")]
     assert told("regrade begun", {}, id).kind == "regrade"

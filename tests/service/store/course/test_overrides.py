@@ -34,7 +34,15 @@ def known(url, submission):
 
 def trail(url):
     return [
-        (who, action, d["check"], d["before"], d["after"], d["points"], d["reason"])
+        (
+            who,
+            action,
+            d["check"],
+            d["before"],
+            d["after"],
+            [d["points"][key] for key in ("old", "new")],
+            d["reason"],
+        )
         for who, action, d in sql(url, "SELECT actor, action, detail FROM audit ORDER BY id")
     ]
 

@@ -109,19 +109,19 @@ class _Module(ModuleType):
         return value
 
     def _value(self, name: str, library: str) -> Any:
-        if PathFinder.find_spec(
-            f"{self.__name__}.{name}", getattr(self.__spec__, "submodule_search_locations", None) or []
-        ):
-            return importlib.import_module(
-                f"{self.__name__}.{name}"
-            )  # a zygote with matplotlib has imported most of them
         source = _source(self)
+        # submodules last: a function may have the name of the submodule from which the package imports it
         if passed := re.search(rf"^from (\.\w+) import .*\b{re.escape(name)}\b", source, re.MULTILINE):
             return getattr(importlib.import_module(passed[1], self.__package__), name)
         for star in re.findall(r"^from (\.\w+) import \*", source, re.MULTILINE):
             module = importlib.import_module(star, self.__package__)
             if re.search(rf"^__all__ = [^]]*['\"]{re.escape(name)}['\"]", _source(module), re.MULTILINE):
                 return getattr(module, name)
+        submodule = f"{self.__name__}.{name}"
+        if PathFinder.find_spec(submodule, getattr(self.__spec__, "submodule_search_locations", None) or []):
+            if re.search(rf"^from \.{re.escape(name)} import", source, re.MULTILINE):
+                _needs(library)()  # the name may be a function of that submodule
+            return importlib.import_module(submodule)  # a zygote with matplotlib has imported most of them
         if not re.search(rf"^(class|def) {re.escape(name)}\b", source, re.MULTILINE):
             _needs(library)()
         return _NAMES[library]()

@@ -2,14 +2,21 @@
 has imported them.
 """
 
+import importlib
+import json
+import os
+import subprocess
+import sys
 import time
 from dataclasses import replace
+from types import ModuleType
 
 import pytest
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.guest.zygote import NEEDED
+from service.sandbox.isolation.guest_files import GUEST
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
@@ -57,6 +64,7 @@ from scipy.spatial.transform import Rotation
 """
 UNUSED = {
     "imported": "f = lambda: 1.0",
+    "a function named as its module": "from scipy.optimize import least_squares\nf = lambda: 1.0",
     "named": (
         "def f(anim: FuncAnimation = None, axes=Axes3D, p=pyplot, a=animation.PillowWriter):\n    return 1.0"
     ),
@@ -263,3 +271,56 @@ def test_a_guest_imports_at_first_only_what_children_need(later):
     )
     printed = later.play(asked).stdout.split()
     assert "polhode.judging.integration" in printed and not unneeded.intersection(printed)
+
+
+MODULES = [
+    "scipy.cluster.hierarchy", "scipy.fft", "scipy.integrate", "scipy.interpolate", "scipy.linalg",
+    "scipy.ndimage", "scipy.optimize", "scipy.signal", "scipy.sparse", "scipy.sparse.linalg", "scipy.spatial",
+    "scipy.spatial.transform", "scipy.special", "scipy.stats",
+]  # fmt: skip
+"""The public modules of SciPy that a course uses."""
+AS_NAMES = """
+import importlib, json, os, sys
+from types import ModuleType
+
+class Needed(Exception):
+    pass
+
+def need(code):
+    raise Needed
+
+os._exit = need
+from guest import unused_libraries
+unused_libraries.install()
+kinds = {}
+for module, names in json.load(sys.stdin).items():
+    for name in names:
+        try:
+            value = getattr(importlib.import_module(module), name)
+            kinds[f"{module}.{name}"] = issubclass(type(value), ModuleType)
+        except Needed:
+            pass  # the library is then imported
+print(json.dumps(kinds))
+"""
+
+
+def test_a_public_name_of_scipy_is_no_module_where_it_is_a_function():
+    public = {name: importlib.import_module(name).__all__ for name in MODULES}
+    path = os.pathsep.join([str(GUEST.parent), os.environ.get("PYTHONPATH", "")])
+    found = json.loads(
+        subprocess.run(
+            [sys.executable, "-c", AS_NAMES],
+            input=json.dumps(public),
+            env=os.environ | {"PYTHONPATH": path},
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+    )
+    real = {
+        f"{module}.{name}": isinstance(getattr(importlib.import_module(module), name), ModuleType)
+        for module, names in public.items()
+        for name in names
+    }
+    assert len(found) > 200
+    assert {name for name, kind in found.items() if kind != real[name]} == set()

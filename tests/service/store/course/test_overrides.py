@@ -40,7 +40,7 @@ def trail(url):
             d["check"],
             d["before"],
             d["after"],
-            [d["points"][key] for key in ("old", "new")],
+            [d["points"]["old"], d["points"]["new"]],
             d["reason"],
         )
         for who, action, d in sql(url, "SELECT actor, action, detail FROM audit ORDER BY id")

@@ -9,11 +9,12 @@ from markupsafe import Markup, escape
 from service.http.templating import neutralize_bidi
 
 HEADING = re.compile(r"(#{1,6}) +(.+)")
-SPANS = (
-    (re.compile(r"`([^`\n]+)`"), "<code>{}</code>"),
-    (re.compile(r"\*\*([^*\n]+)\*\*"), "<b>{}</b>"),
-    (re.compile(r"(?<![*\w])\*([^*\n]+)\*(?!\w)"), "<i>{}</i>"),
+SPAN = re.compile(
+    r"`(?P<code>[^`\n]+)`"
+    r"|(?<![*\w])\*\*(?P<b>[^*\n]+)\*\*(?![*\w])"
+    r"|(?<![*\w])\*(?P<i>[^*\n]+)\*(?![*\w])"
 )
+"""Code, which contains no other span, bold and italic words: each group is named by its element of HTML."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,10 @@ def _text(source: str) -> list[Block]:
 def inline(text: str) -> Markup:
     """Return the text escaped, with code, bold and italic words as HTML; formulas stay TeX."""
     shown = str(escape(neutralize_bidi(text)))
-    for pattern, form in SPANS:
-        shown = pattern.sub(lambda found, form=form: form.format(found[1]), shown)  # type: ignore[misc]
+    shown = SPAN.sub(_element, shown)
     return Markup(shown)  # noqa: S704
+
+
+def _element(found: re.Match[str]) -> str:
+    name = str(found.lastgroup)
+    return f"<{name}>{found[name]}</{name}>"

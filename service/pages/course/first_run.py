@@ -47,7 +47,11 @@ async def start(
     """Create the first instructor and log them in. Who is logged in already becomes it themselves."""
     secret = forms.required(form, "token")
     known, full_name, password = _logged_in(person), None, None
+    if known is not None:
+        known.with_scope("login")
     name = known.name if known else _name(form)
+    if not await first_instructor.is_link(database, secret):
+        raise _not_the_link()  # before the password is hashed, which takes a second
     if known is None:
         full_name = forms.field(form, "full_name", people.LONGEST_NAME)
         password = await checker.hash(account.new_password(form, name))
@@ -55,16 +59,16 @@ async def start(
         async with database.begin() as connection:
             await first_instructor.create(connection, secret, name, full_name, password)
     except first_instructor.LinkOver:
-        raise Problem(
-            403,
-            "not-allowed",
-            "this is not the link that the server printed, or it was used: copy the whole of it",
-            "/token",
-        ) from None
+        raise _not_the_link() from None
     response = RedirectResponse("/setup", 303)
     if known is None:
         await cookies.start_session(response, name, "the first link")
     return response
+
+
+def _not_the_link() -> Problem:
+    detail = "this is not the link that the server printed, or it was used: copy the whole of it"
+    return Problem(403, "not-allowed", detail, "/token")
 
 
 def _logged_in(person: Person | None) -> Person | None:

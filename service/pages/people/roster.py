@@ -2,7 +2,6 @@
 
 import asyncio
 import base64
-import binascii
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -70,7 +69,7 @@ async def _file(form: FormData) -> tuple[str, bytes]:
         return await forms.file(form, "roster")
     try:
         return forms.field(form, "file") or "the file", base64.b64decode(repeated, validate=True)
-    except binascii.Error:
+    except ValueError:  # binascii.Error, or text that is not ASCII
         raise Problem(
             422, "invalid-request", "the file was changed on its way: choose it again", "/roster"
         ) from None

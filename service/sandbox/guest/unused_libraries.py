@@ -112,9 +112,9 @@ class _Module(ModuleType):
         source = _source(self)
         # submodules last: a function may have the name of the submodule from which the package imports it
         if passed := re.search(rf"^from (\.\w+) import .*\b{re.escape(name)}\b", source, re.MULTILINE):
-            return getattr(importlib.import_module(passed[1], self.__package__), name)
+            return getattr(self._neighbour(passed[1]), name)
         for star in re.findall(r"^from (\.\w+) import \*", source, re.MULTILINE):
-            module = importlib.import_module(star, self.__package__)
+            module = self._neighbour(star)
             if re.search(rf"^__all__ = [^]]*['\"]{re.escape(name)}['\"]", _source(module), re.MULTILINE):
                 return getattr(module, name)
         submodule = f"{self.__name__}.{name}"
@@ -125,6 +125,14 @@ class _Module(ModuleType):
         if not re.search(rf"^(class|def) {re.escape(name)}\b", source, re.MULTILINE):
             _needs(library)()
         return _NAMES[library]()
+
+    def _neighbour(self, relative: str) -> ModuleType:
+        """Return the module that this one imports as ``relative``, and leave the package without an
+        attribute of its name, which may be that of a function.
+        """
+        module = importlib.import_module(relative, self.__package__)
+        vars(sys.modules[str(self.__package__)]).pop(relative.removeprefix("."), None)
+        return module
 
 
 def _source(module: ModuleType) -> str:

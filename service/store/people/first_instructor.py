@@ -29,6 +29,11 @@ async def is_missing(database: Database) -> bool:
     return await database.first(_INSTRUCTOR, {"course": people.COURSE}) is None
 
 
+async def is_link(database: Database, secret: str) -> bool:
+    """Return whether the secret is that of the link, and the course has no instructor."""
+    return await is_missing(database) and await database.first(_IS_LINK, {"secret": secret}) is not None
+
+
 async def people_log_in(database: Database) -> bool:
     """Return whether an instructor was created with the link, after which a server without logins asks for
     them.
@@ -57,10 +62,11 @@ async def _has_instructor(connection: Connection) -> bool:
 
 
 _INSTRUCTOR = """
-SELECT 1 FROM member m JOIN course c ON c.id = m.course_id
-WHERE c.slug = %(course)s AND m.role = 'instructor' LIMIT 1
+SELECT 1 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+WHERE c.slug = %(course)s AND m.role = 'instructor' AND p.name <> 'local' LIMIT 1
 """
 _KEEP = "INSERT INTO secret VALUES ('first instructor', %(secret)s) ON CONFLICT DO NOTHING"
+_IS_LINK = "SELECT 1 FROM secret WHERE name = 'first instructor' AND value = %(secret)s"
 _READ = "SELECT value FROM secret WHERE name = 'first instructor'"
 _DELETE = """
 DELETE FROM secret WHERE name = 'first instructor' AND value = coalesce(%(secret)s, value) RETURNING name

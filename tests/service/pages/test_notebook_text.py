@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from exercises.authoring.assignments.catalogue import assignments
 from service.pages.notebook_text import Block, blocks, inline
 
@@ -35,6 +37,20 @@ def test_a_comment_has_markdown_and_its_markup_stays_text():
         "<b>see</b> <code>w[0]</code> and $\\omega$ &lt;b&gt;"
     )
     assert "\u202e" not in inline("a\u202eb")
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("`x**2 + y**2`", "<code>x**2 + y**2</code>"),
+        ("`**kwargs` and `**more`", "<code>**kwargs</code> and <code>**more</code>"),
+        ("a**2 + b**2", "a**2 + b**2"),
+        ("2*a and 3*b", "2*a and 3*b"),
+        ("*slow* and **fast**", "<i>slow</i> and <b>fast</b>"),
+    ],
+)
+def test_the_stars_of_code_stay_stars(text, shown):
+    assert inline(text) == shown
 
 
 def test_every_notebook_can_be_read():

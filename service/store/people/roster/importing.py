@@ -58,6 +58,8 @@ async def compare(queries: Queries, roster: Roster, importer: str | None) -> Pla
         if entry.name == importer and entry.role not in (None, "instructor"):
             errors.append("this roster would remove your own instructor role: correct your line")
         changes.append(_change(entry, person))
+    if _loses_instructors(known, changes):
+        errors.append("this roster would leave the course without an instructor: correct a role")
     questions = [*roster.questions]
     if staying:
         are = count(len(staying), "member of the staff is a student", "members of the staff are students")
@@ -68,6 +70,13 @@ async def compare(queries: Queries, roster: Roster, importer: str | None) -> Pla
     named = {change.entry.name for change in changes}
     absent = [row for row in known.values() if row.role == "student" and row.name not in named]
     return Plan(roster, changes, absent, errors, questions)
+
+
+def _loses_instructors(known: Mapping[str, Row], changes: Collection[Change]) -> bool:
+    """Return whether the course has an instructor now and would have none."""
+    before = {name: row.role for name, row in known.items()}
+    after = before | {change.entry.name: change.entry.role for change in changes if change.entry.role}
+    return "instructor" in before.values() and "instructor" not in after.values()
 
 
 async def carry_out(

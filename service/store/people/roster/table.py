@@ -11,6 +11,7 @@ from service.store.people.roster.text import Text
 
 SEPARATORS = ",;\t|"
 MOST_ABOVE = 20  # lines among which the headings are looked for: some tools write a title above them
+MOST_COLUMNS = 500
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ def read_table(text: Text, file: str) -> Table:
     lines, start = max(((lines, _start(lines)) for lines in tables), key=_understood)
     if not lines:
         raise BadRoster(f"{file} is empty: choose the file with the roster")
+    if len(lines[start].cells) > MOST_COLUMNS:
+        raise BadRoster(f"{file} has more than {MOST_COLUMNS} columns: leave those that are about people")
     below = [line for line in lines[start + 1 :] if any(cell.strip() for cell in line.cells)]
     headings = _unique([" ".join(cell.split()) for cell in lines[start].cells])
     return Table(headings[: _width(lines[start], below)], below, lines[:start], text)

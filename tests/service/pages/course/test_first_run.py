@@ -2,6 +2,7 @@
 
 import pytest
 
+from service.auth.passwords import PasswordChecker
 from service.store.people import first_instructor, people
 from tests.support.database import entered, run, sql
 from tests.support.http_client import Browser
@@ -56,6 +57,15 @@ def test_a_wrong_field_keeps_what_was_typed_and_creates_nobody(new_app, database
     assert sql(database_url, "SELECT count(*) FROM person WHERE name <> 'local'") == [(0,)]
 
 
+def test_a_wrong_link_costs_no_hash(new_app, database_url, link, monkeypatch):
+    async def hash(self, password):
+        raise AssertionError("hashed")
+
+    monkeypatch.setattr(PasswordChecker, "hash", hash)
+    browser = Browser(new_app(database_url=database_url))
+    assert browser.send("/start", page="/start", token="wrong", **FIELDS)[0] == 403
+
+
 def test_who_is_logged_in_becomes_it_themselves(new_app, database_url, link):
     app = new_app(database_url=database_url, person_header="Remote-User")
     browser = Browser(app, Remote_User="emmy")
@@ -64,6 +74,16 @@ def test_who_is_logged_in_becomes_it_themselves(new_app, database_url, link):
     assert browser.open("/setup")[0] == 403
     assert browser.send("/start", page="/start", token=link)[0] == 200 and browser.at == "/setup"
     assert run(database_url, lambda database: people.role(database, "emmy")) == "instructor"
+
+
+def test_who_views_as_a_student_makes_nobody_an_instructor(new_app, database_url, link):
+    for name, role in (("helper", "assistant"), ("ben", "student")):
+        entered(database_url, name, role)
+    browser = Browser(new_app(database_url=database_url, person_header="Remote-User"), Remote_User="helper")
+    assert browser.send("/person/view?name=ben", page="/")[0] == 200
+    status, page = browser.send("/start", page="/start", token=link)
+    assert status == 403 and "you see the pages as ben does" in page
+    assert run(database_url, lambda database: people.role(database, "ben")) == "student"
 
 
 def test_a_server_for_one_person_stays_as_it_is_without_the_link(new_app, database_url, link):

@@ -154,8 +154,9 @@ def test_every_question_must_be_confirmed(upload, url):
     leave(url, "ann")
 
 
-def test_a_file_that_was_changed_on_its_way_is_refused(upload):
-    status, page, _ = upload("/people", content="no base64!", file="r.csv")
+@pytest.mark.parametrize("content", ["no base64!", "é"])
+def test_a_file_that_was_changed_on_its_way_is_refused(upload, content):
+    status, page, _ = upload("/people", content=content, file="r.csv")
     assert status == 422 and "the file was changed on its way: choose it again" in page
 
 

@@ -50,6 +50,11 @@ def test_empty_columns_at_the_end_are_none():
     assert table("name;;\nann;1;\n").headings == ["name", "(column 2)"]
 
 
+def test_a_file_of_very_many_columns_is_refused():
+    with pytest.raises(BadRoster, match="more than 500 columns: leave those that are about people"):
+        table(",".join(f"c{k}" for k in range(501)))
+
+
 @pytest.mark.parametrize("text", ["", "\n\n"])
 def test_an_empty_file_is_refused(text):
     with pytest.raises(BadRoster, match="is empty: choose the file with the roster"):

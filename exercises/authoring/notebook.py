@@ -10,6 +10,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeGuard
@@ -194,9 +195,10 @@ def _errors_of(exercise: DeclaredExercise, ask: Ask, cells: list[Cell]) -> Itera
         yield from (f"line {error.line}: {error}" for error in asked.errors)
         for mistake in asked.mistakes:
             if mistake.code is not None and mistake.code not in CODES:
+                alike = get_close_matches(mistake.code, sorted(CODES)) or ["missing-term"]
                 yield (
-                    f"line {mistake.line}: there is no diagnosis code {mistake.code}: choose one of"
-                    " docs/checks.md, such as missing-term"
+                    f"line {mistake.line}: there is no diagnosis code {mistake.code}: choose one, such as"
+                    f" {' or '.join(alike)}"
                 )
 
 

@@ -70,7 +70,11 @@ class MadeSample:
         found = ", ".join(sorted(codes(report))) or "none"
         if not failed:
             return [UNSEEN]
-        return [f"the diagnosis is {found}, not {self.code}"] if self.code and found != self.code else []
+        if self.code is None or found == self.code:
+            return []
+        if found == "none":
+            return [f"{self.code} is not named: another mistake has its numbers, or to try it takes long"]
+        return [f"the diagnosis is {found}, not {self.code}"]
 
 
 def made_samples(questions: Sequence[tuple[str, Question]], notebook: Path) -> Iterator[MadeSample]:

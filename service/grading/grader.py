@@ -96,6 +96,7 @@ class Grader:
         on_progress: OnProgress,
     ) -> tuple[Report, dict[str, bytes]]:
         """Grade a submission. Return the report and its artefacts by name. Raises Cancelled, SystemFault."""
+        self.ready()
         began = time.perf_counter()
         graded = grade(submission, find_assignment(slug), self.sandbox, seed, on_progress=on_progress)
         judged = time.perf_counter()

@@ -22,7 +22,7 @@ def clone(tmp_path):
 
 def test_pictures_of_the_present_templates_are_in_order(clone, capsys):
     (clone / TEMPLATE).touch()
-    (clone / "service/pages/course/home.py").write_text("what a page is made of is not how it looks")
+    (clone / "service/pages/account.py").write_text("what a page is made of is not how it looks")
     release.examine_pictures(clone)
     assert "show the present templates" in capsys.readouterr().out
 

@@ -84,7 +84,9 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
 
 def _limits() -> str:
     of, mib = lockdown.LIMITS, lockdown.MIB
-    memory = f"address space {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
+    names = {resource.RLIMIT_AS: "address space", resource.RLIMIT_DATA: "data"}
+    memory = ", ".join(f"{name} {of[limit] // mib} MiB" for limit, name in names.items() if limit in of)
+    memory = memory or "memory as an assignment says"
     files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE] // mib} MiB"
     return f"{memory}, CPU {Settings().grading_cpu:g} s, {files}"
 

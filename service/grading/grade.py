@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.lines import ReportedLine
+from exercises.authoring.importing.lines import reported_lines
 from polhode.judging.checks import Arrays
 from polhode.judging.claims import Claim, NotebookCheck
 from polhode.judging.exercise import Exercise, attempted
@@ -156,7 +156,7 @@ def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
     run.
     """
     tried = attempted(exercises, defined)
-    return [e for e in exercises if e in tried or any(isinstance(check, ReportedLine) for check in e.checks)]
+    return [e for e in exercises if e in tried or reported_lines(e.checks)]
 
 
 @functools.cache

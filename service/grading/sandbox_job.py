@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
-from exercises.authoring.importing.lines import ReportedLine
+from exercises.authoring.importing.lines import reported_lines
 from polhode.judging.checks import Arrays
 from polhode.kinds.asking import unit_of
 from service.grading.published.given_cells import with_published
@@ -60,12 +60,11 @@ def job_of(
 
 def _lines(assignment: Assignment) -> dict[tuple[str, tuple[int, int]], Line]:
     """Return the lines of published cells, by cell and place."""
-    checks = [check for check in assignment.checks() if isinstance(check, ReportedLine)]
     return {
         (check.cell, check.call.place): Line(
             check.call.numbers, None if check.declared.truth is None else check.truth
         )
-        for check in checks
+        for check in reported_lines(assignment.checks())
     }
 
 

@@ -16,7 +16,7 @@ from exercises.authoring.assignments.course_imports import ALWAYS
 from exercises.authoring.importing.words import COURSE_FOLDER
 from polhode.judging.claims import words_in
 
-FOLDER, LEFT_OUT = COURSE_FOLDER, "__pycache__"
+LEFT_OUT = "__pycache__"
 OTHERS = dict.fromkeys(sys.stdlib_module_names, "a module of the standard library")
 OTHERS |= dict.fromkeys(ALWAYS, "a package that every notebook can use") | {
     "polhode": "the students' kit",
@@ -44,7 +44,9 @@ def modules() -> set[str]:
 
 def errors() -> tuple[str, ...]:
     """Return why packages in them cannot be used: a sentence for each, with its file and what to do."""
-    return _errors(tuple(home.parent / FOLDER for home in catalogue.folders()), tuple(course_folders()))
+    return _errors(
+        tuple(home.parent / COURSE_FOLDER for home in catalogue.folders()), tuple(course_folders())
+    )
 
 
 @functools.cache

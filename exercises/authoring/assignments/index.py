@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.lines import ReportedLine
+from exercises.authoring.importing.lines import reported_lines
 
 INDEX = "index.json"
 SHOWN = ("title", "version", "packages", "most_points", "points_note")
@@ -57,8 +57,7 @@ def line_counts(assignment: Assignment) -> dict[str, int]:
     """Return how many lines of its notebook an assignment takes over, by the name of their status."""
     if isinstance(assignment, IndexedAssignment):
         return assignment.line_counts
-    lines = [check.declared for check in assignment.checks() if isinstance(check, ReportedLine)]
-    return dict(Counter(line.status.name for line in lines))
+    return dict(Counter(line.declared.status.name for line in reported_lines(assignment.checks())))
 
 
 def read_index(folder: Path, more: Collection[str]) -> dict[str, Any] | None:

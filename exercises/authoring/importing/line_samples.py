@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.lines import Line, ReportedLine
+from exercises.authoring.importing.lines import Line, reported_lines
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
 from polhode.notebook.cell_source import statements_of
@@ -50,11 +50,11 @@ def line_samples(assignment: Assignment) -> Iterator[LineSample]:
     """Yield the samples of an assignment with lines. The author's solutions are those in the notebook and in
     samples/right_*.ipynb.
     """
-    checks = {check.id: check for check in assignment.checks() if isinstance(check, ReportedLine)}
-    lines = {id: check.declared for id, check in checks.items()}
+    checks = reported_lines(assignment.checks())
+    lines = {check.id: check.declared for check in checks}
     yield LineSample(UNTOUCHED, assignment.notebook(), lines)
     copied = defaultdict[str, list[str]](list)
-    for check in checks.values():
+    for check in checks:
         got = check.call.arguments[0]
         if check.declared.shown and got.isidentifier():
             value = f"{got} = __import__('numpy').array({check.truth().tolist()!r})"

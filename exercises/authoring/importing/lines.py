@@ -2,7 +2,7 @@
 at its place.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
@@ -30,6 +30,15 @@ class Status(StrEnum):
     SHOWN = "the expected value stands in the notebook, so the line carries no points"
     SELF_REPORTED = "self-reported: the student's code computes both sides"
     GIVEN = "the given cells alone make this line ✓, so it carries no points"
+
+
+IN_WORDS = {
+    Status.COUNTS: "count",
+    Status.SHOWN: "value shown",
+    Status.SELF_REPORTED: "self-reported",
+    Status.GIVEN: "cannot count",
+}
+"""The words that tables and counts of lines have for a status."""
 
 
 @dataclass(frozen=True)
@@ -136,6 +145,11 @@ class ReportedLine(Check):
             outcome.counted, outcome.points = False, 0
             outcome.self_reported = self.declared.status is Status.SELF_REPORTED
         return outcome
+
+
+def reported_lines(checks: Iterable[Check]) -> list[ReportedLine]:
+    """Return the lines of validation cells among the checks of an assignment or exercise."""
+    return [check for check in checks if isinstance(check, ReportedLine)]
 
 
 def is_self_reported(check: Check) -> bool:

@@ -37,17 +37,17 @@ Words = tuple[tuple[str, tuple[Word, ...]], ...]
 
 def course_words(folder: Path) -> Words:
     """Return the words of the assignment in ``folder``: those of the course beside it, then its own."""
-    return words((folder.parent / COURSE_FOLDER, folder / COURSE_FOLDER))
+    return words(_course_folders(folder))
 
 
 def course_packages(folder: Path) -> set[str]:
     """Return the names of the course's packages and modules that the assignment in ``folder`` can import."""
-    found = [
-        path
-        for home in (folder.parent / COURSE_FOLDER, folder / COURSE_FOLDER)
-        for path in home.glob("[!_.]*")
-    ]
+    found = [path for home in _course_folders(folder) for path in home.glob("[!_.]*")]
     return {path.stem for path in found if path.suffix == ".py" or any(path.glob("*.py"))}
+
+
+def _course_folders(folder: Path) -> tuple[Path, Path]:
+    return folder.parent / COURSE_FOLDER, folder / COURSE_FOLDER
 
 
 def words(folders: Iterable[Path]) -> Words:

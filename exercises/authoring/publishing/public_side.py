@@ -15,6 +15,7 @@ import numpy as np
 from exercises.authoring.assignments import course_packages
 from exercises.authoring.assignments.assignment import Assignment, Scene
 from exercises.authoring.assignments.catalogue import find
+from exercises.authoring.importing.words import COURSE_FOLDER
 from exercises.authoring.publishing import zipfiles
 from polhode.client.build import digest
 from polhode.client.cache import MADE
@@ -38,9 +39,7 @@ def archive(slug: str) -> bytes:
 def _content(slug: str) -> dict[str, bytes]:
     assignment = find(slug)
     found = {f"data/{name}": (assignment.folder / name).read_bytes() for name in assignment.data}
-    found |= {
-        f"{course_packages.FOLDER}/{name}": content for name, content in course_packages.files().items()
-    }
+    found |= {f"{COURSE_FOLDER}/{name}": content for name, content in course_packages.files().items()}
     if assignment.questions:
         try:
             found |= dict(_public_side(assignment))

@@ -7,17 +7,19 @@ import os
 import shutil
 import sys
 import threading
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from exercises.authoring.assignments import catalogue, course_packages
+from exercises.authoring.assignments import catalogue
 from exercises.authoring.assignments.assignment import InvalidAssignment
+from exercises.authoring.assignments.index import line_counts
 from exercises.authoring.importing.assignment_file import Findings, assignment_file
 from exercises.authoring.importing.importing import PublishedNotebook, read_published
-from exercises.authoring.importing.lines import ReportedLine, Status
+from exercises.authoring.importing.lines import IN_WORDS
 from exercises.authoring.importing.requirements import requirements
+from exercises.authoring.importing.words import COURSE_FOLDER
 from exercises.authoring.questions.author_notebook import InvalidNotebook
 from service.cli.authoring.new_assignment import CannotScaffold, created
 from service.cli.errors import CommandError
@@ -28,12 +30,6 @@ from service.sandbox.sandbox import Sandbox
 from service.settings import Settings
 
 REQUIREMENTS, DRY_RUN = "requirements.txt", "dry-run.txt"
-WORDS = {
-    Status.COUNTS: "count",
-    Status.SHOWN: "value shown",
-    Status.SELF_REPORTED: "self-reported",
-    Status.GIVEN: "cannot count",
-}
 
 
 def add_import_notebook(parser: argparse.ArgumentParser) -> None:
@@ -75,11 +71,11 @@ def _import(arguments: argparse.Namespace) -> int:
     if arguments.package:
         shutil.copytree(
             arguments.package,
-            into / course_packages.FOLDER / arguments.package.resolve().name,
+            into / COURSE_FOLDER / arguments.package.resolve().name,
             ignore=shutil.ignore_patterns("__pycache__", ".*"),
             dirs_exist_ok=True,
         )
-    wanted = requirements((arguments.package or into / course_packages.FOLDER / "x").parent / REQUIREMENTS)
+    wanted = requirements((arguments.package or into / COURSE_FOLDER / "x").parent / REQUIREMENTS)
     made = dict(_created(files, into, wanted, arguments))
     failed = len(files) - len(made)
     for folder, notebook, run in _dry_runs(made):
@@ -94,9 +90,7 @@ def _created(
     """Create the folder of each notebook and yield it with the notebook. Print why one cannot be imported."""
     for file in files:
         try:
-            notebook = read_published(
-                file, into / course_packages.FOLDER, wanted, arguments.slug, arguments.prefix
-            )
+            notebook = read_published(file, into / COURSE_FOLDER, wanted, arguments.slug, arguments.prefix)
             text = assignment_file(notebook, Findings())
             content = {
                 catalogue.DECLARATION: text.encode(),
@@ -160,9 +154,8 @@ def _finish(folder: Path, notebook: PublishedNotebook, run: DryRun | None) -> bo
         print(f"polhode: {notebook.path}: {error}", file=sys.stderr)
         return False
     catalogue.keep_index(assignment)
-    lines = [check.declared for check in assignment.checks() if isinstance(check, ReportedLine)]
-    statuses = Counter(line.status for line in lines)
-    counts = ", ".join(f"{statuses[status]} {word}" for status, word in WORDS.items() if statuses[status])
+    statuses = line_counts(assignment)
+    counts = ", ".join(f"{n} {word}" for status, word in IN_WORDS.items() if (n := statuses.get(status.name)))
     print(f"{folder}: {len(notebook.taken)} of {len(notebook.taken) + len(notebook.left)} lines: {counts}")
     if run is not None:
         print(f"  ran in {run.found.cpu_s:.1f} s of CPU time with {run.found.peak_mb:.0f} MiB")

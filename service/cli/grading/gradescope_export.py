@@ -13,9 +13,9 @@ from pathlib import Path
 import exercises
 import reference
 import service
-from exercises.authoring.assignments import course_packages
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import DECLARATION
+from exercises.authoring.importing.words import COURSE_FOLDER
 from exercises.authoring.publishing import wheel as kit
 from exercises.authoring.publishing import zipfiles
 from exercises.authoring.publishing.zipfiles import zipped
@@ -65,9 +65,7 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
     info = f"polhode-{own.version}.dist-info"
     homes = [(Path(package.__path__[0]), package.__name__) for package in (exercises, reference, service)]
     homes += [(folder, f"exercises/{folder.name}") for folder in outside]
-    homes += [
-        (folder.parent / course_packages.FOLDER, f"exercises/{course_packages.FOLDER}") for folder in outside
-    ]
+    homes += [(folder.parent / COURSE_FOLDER, f"exercises/{COURSE_FOLDER}") for folder in outside]
     files = {name: content for home, into in homes for name, content in _files(home, into)}
     files[f"service/cli/grading/{HERE.name}/{LOCK}"] = lock()
     files |= {f"{info}/{name}": text.encode() for name in KEPT if (text := own.read_text(name)) is not None}

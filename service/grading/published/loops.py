@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.line_samples import solved_notebook
-from exercises.authoring.importing.lines import ReportedLine
+from exercises.authoring.importing.lines import reported_lines
 from service.grading.sandbox_job import job_of
 from service.grading.submission import Submission
 from service.sandbox.result import TooBusy
@@ -22,7 +22,7 @@ _known: dict[tuple[object, ...], Claims] = {}
 
 def has_loops(assignment: Assignment) -> bool:
     """Return whether a line of the published notebook is judged by the claims of a loop."""
-    return any(isinstance(check, ReportedLine) and check.call.repeated for check in assignment.checks())
+    return any(line.call.repeated for line in reported_lines(assignment.checks()))
 
 
 def claims_of_solution(assignment: Assignment, sandbox: Sandbox) -> Claims:

@@ -7,18 +7,12 @@ from fastapi.responses import HTMLResponse, Response
 
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.index import line_counts
-from exercises.authoring.importing.lines import ReportedLine, Status
+from exercises.authoring.importing.lines import IN_WORDS, Status, reported_lines
 from service.auth.roles import Staff
 from service.http.errors import Problem
 from service.http.templating import templates
 
 router = APIRouter()
-HEADINGS = {
-    Status.COUNTS: "count",
-    Status.SHOWN: "value shown",
-    Status.SELF_REPORTED: "self-reported",
-    Status.GIVEN: "cannot count",
-}
 TO_DO = {
     Status.SHOWN: "add accept=True to the line in assignment.py, if a copied value may earn its points",
     Status.SELF_REPORTED: "do what the comment above the line in assignment.py says",
@@ -34,16 +28,11 @@ async def show_lines(
     if assignment and assignment not in assignments():
         raise Problem(404, "not-found", f"there is no assignment {assignment}: choose one of the list")
     rows = [(one, counts) for one in assignments().values() if (counts := line_counts(one))]
-    checks = assignments()[assignment].exercises if assignment else ()
-    lines = [
-        (exercise, check.declared)
-        for exercise in checks
-        for check in exercise.checks
-        if isinstance(check, ReportedLine)
-    ]
+    exercises = assignments()[assignment].exercises if assignment else ()
+    lines = [(exercise, line.declared) for exercise in exercises for line in reported_lines(exercise.checks)]
     context = {
         "rows": rows,
-        "statuses": HEADINGS,
+        "statuses": IN_WORDS,
         "to_do": TO_DO,
         "chosen": assignments().get(assignment),
         "lines": lines,

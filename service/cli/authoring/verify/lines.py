@@ -5,7 +5,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.line_samples import line_samples
-from exercises.authoring.importing.lines import ReportedLine
+from exercises.authoring.importing.lines import reported_lines
 from service.grading.batch import grade_files
 from service.grading.files import GradeOptions, GradeRequest
 from service.sandbox.isolation.levels import Isolation
@@ -13,7 +13,7 @@ from service.sandbox.isolation.levels import Isolation
 
 def has_lines(assignment: Assignment) -> bool:
     """Return whether an assignment takes over lines of its notebook."""
-    return any(isinstance(check, ReportedLine) for check in assignment.checks())
+    return bool(reported_lines(assignment.checks()))
 
 
 def verify_lines(assignment: Assignment, seed: int, isolation: Isolation, jobs: int | None) -> int:

@@ -13,6 +13,7 @@ from service.sandbox.guest.confinement import landlock, lockdown
 from service.sandbox.guest.confinement.syscalls import MACHINES
 from service.sandbox.isolation.levels import Level
 from service.sandbox.isolation.select import IsolationUnavailable, choose, try_namespaces
+from service.sandbox.job import MEMORY_MB
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.self_test_job import FORBIDDEN
@@ -84,9 +85,7 @@ def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
 
 def _limits() -> str:
     of, mib = lockdown.LIMITS, lockdown.MIB
-    names = {resource.RLIMIT_AS: "address space", resource.RLIMIT_DATA: "data"}
-    memory = ", ".join(f"{name} {of[limit] // mib} MiB" for limit, name in names.items() if limit in of)
-    memory = memory or "memory as an assignment says"
+    memory = f"address space {MEMORY_MB + lockdown.CODE_MB} MiB, data {MEMORY_MB} MiB"
     files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE] // mib} MiB"
     return f"{memory}, CPU {Settings().grading_cpu:g} s, {files}"
 

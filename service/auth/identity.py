@@ -23,7 +23,7 @@ from service.store.people import first_instructor, people, tokens
 
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = cookies.COOKIE
-STAFF = ("assistant", "instructor")
+STAFF = people.STAFF
 # The OpenAPI document declares it. ``identify`` reads the header itself, because JupyterHub sends the scheme
 # "token" too.
 Bearer = Annotated[

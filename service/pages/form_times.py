@@ -31,6 +31,12 @@ def moment(form: FormData, name: str) -> datetime | None:
     )
 
 
+def refuse_past(due: datetime) -> None:
+    """Raise Problem 422 if the deadline of an extension is past."""
+    if due <= datetime.now(UTC):
+        raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
+
+
 def deadline(form: FormData, name: str, stored: datetime | None) -> datetime | None:
     """Return the field of a deadline, None if empty. Raises Problem 422 if it is past, unless it is the
     ``stored`` one or the form's box ``past`` is ticked.

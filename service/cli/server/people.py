@@ -24,7 +24,7 @@ from service.store.people.roster.problems import shortened
 from service.store.people.roster.reading import Choices, Roster, read
 from service.store.people.roster.text import ENCODINGS
 
-DAYS, MOST_DAYS = 200.0, 3650.0
+DAYS, MOST_DAYS = tokens.TERM_DAYS, 3650.0
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 _days = number(
     float, lambda days: 0 < days <= MOST_DAYS, detail=f"expected more than 0 and at most {MOST_DAYS:g} days"

@@ -2,7 +2,6 @@
 accuracy.
 """
 
-from datetime import UTC, datetime
 from urllib.parse import quote
 
 from fastapi import APIRouter, Response
@@ -86,8 +85,7 @@ async def extend(person: Instructor, form: forms.Form, assignment: Assigned, dat
         )
     if not reason:
         raise Problem(422, "invalid-request", "an extension needs a reason: enter one", "/reason")
-    if due <= datetime.now(UTC):
-        raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
+    form_times.refuse_past(due)
     if not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
         raise Problem(
             422, "invalid-request", f"no person named {name!r} in the course: check the name", "/name"

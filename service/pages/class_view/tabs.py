@@ -90,7 +90,8 @@ async def show_students(
         request,
         "class_students.html",
         assignment,
-        students=[(s, Markup("".join(row))) for s, row in zip(students, cells, strict=True)],  # noqa: S704 - of statistics.CELLS
+        # of statistics.CELLS, which are markup
+        students=[(s, Markup("".join(row))) for s, row in zip(students, cells, strict=True)],  # noqa: S704
         equal_names=statistics.equal_names(everyone),
         total=len(everyone),
         no_gain=no_gain,

@@ -38,6 +38,11 @@ async def use_course_zone(database: Db) -> None:
             raise
 
 
+def zones() -> list[str]:
+    """Return the time zones that a course can have."""
+    return sorted({"UTC", *available_timezones()})
+
+
 @router.get("/settings", response_class=HTMLResponse)
 async def show(request: Request, person: Staff, database: Db) -> Response:
     """Show the settings of the course; instructors can change them."""
@@ -45,7 +50,7 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
         "settings": await course_settings.read(database),
         "rows": await overview(database),
         "assignments": assignments(),
-        "zones": sorted({"UTC", *available_timezones()}),
+        "zones": zones(),
     }
     return templates.TemplateResponse(request, "course_settings.html", context)
 

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from typing import Any
-from zoneinfo import available_timezones
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
@@ -30,11 +29,11 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
     rows = await settings_page.overview(database)
     context = {
         "settings": await course_settings.read(database),
-        "zones": sorted({"UTC", *available_timezones()}),
+        "zones": settings_page.zones(),
         "rows": rows,
         "published": sum(row.published for row in rows),
         "assignments": assignments(),
-        "staff": [one for one in everybody if one.role in ("instructor", "assistant")],
+        "staff": [one for one in everybody if one.role in people.STAFF],
         "students": sum(one.role == "student" for one in everybody),
         "submitted": sum(row.submissions for row in rows),
     }

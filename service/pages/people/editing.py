@@ -1,8 +1,6 @@
 """Add and edit a person, give them a new token or password, and more time for an assignment."""
 
 import secrets
-from datetime import UTC, datetime
-from urllib.parse import quote
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
@@ -18,7 +16,7 @@ from service.http.requests import PublicAddress
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import form_times
-from service.pages.people.listing import PersonName, find_person, show_person
+from service.pages.people.listing import PersonName, find_person, page_of, show_person
 from service.pages.rejected_forms import post_form
 from service.store.course import audit, deadlines
 from service.store.database import Connection
@@ -33,7 +31,6 @@ LABELS = {
     "section": "section",
 }
 LONGEST = 200
-TOKEN_S = 200.0 * tokens.DAY_S
 
 
 @router.get("/people/add", response_class=HTMLResponse)
@@ -69,7 +66,7 @@ async def add(
         raise Problem(422, "invalid-request", detail, "/name") from None
     if token is not None:
         return _show_secret(request, name, address, token=token)
-    return RedirectResponse(_page(name), 303)
+    return RedirectResponse(page_of(name), 303)
 
 
 @post_form(router, "/person/edit", page=show_person, at="/person")
@@ -89,7 +86,7 @@ async def edit(person: Instructor, form: forms.Form, database: Db, name: PersonN
     except editing.LastInstructor:
         detail = f"{name} is the only instructor: make somebody else an instructor first"
         raise Problem(422, "invalid-request", detail, "/role") from None
-    return RedirectResponse(_page(name), 303)
+    return RedirectResponse(page_of(name), 303)
 
 
 @post_form(router, "/person/token", page=show_person, at="/person")
@@ -140,11 +137,10 @@ async def extend(person: Instructor, form: forms.Form, database: Db, name: Perso
             detail = "there is no extension of this assignment to remove: enter a deadline to give one"
             raise Problem(422, "invalid-request", detail, "/due")
     else:
-        if due <= datetime.now(UTC):
-            raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
+        form_times.refuse_past(due)
         reason = forms.required(form, "reason")
         await deadlines.extend(database, slug, name, due, reason=reason, by=person.name)
-    return RedirectResponse(f"{_page(name)}#assignments", 303)
+    return RedirectResponse(f"{page_of(name)}#assignments", 303)
 
 
 def _values(form: FormData) -> dict[str, str]:
@@ -174,8 +170,9 @@ def _told(meanwhile: editing.ChangedMeanwhile) -> str:
 
 
 async def _new_token(connection: Connection, name: str, by: str) -> str:
+    seconds = tokens.TERM_DAYS * tokens.DAY_S
     token = await tokens.create(
-        connection, name, label=f"issued by {by}", scopes=tokens.SCOPES, seconds=TOKEN_S
+        connection, name, label=f"issued by {by}", scopes=tokens.SCOPES, seconds=seconds
     )
     await audit.record(connection, by, "give token", name, {"scopes": list(tokens.SCOPES)})
     return token
@@ -185,11 +182,6 @@ def _show_secret(
     request: Request, name: str, address: str, *, token: str = "", password: str = ""
 ) -> Response:
     """Return the page that shows a new token or password, which no other page can show again."""
-    days = round(TOKEN_S / tokens.DAY_S)
-    context = {"name": name, "address": address, "page": _page(name), "days": days}
+    context = {"name": name, "address": address, "page": page_of(name), "days": round(tokens.TERM_DAYS)}
     context |= {"token": token, "password": password}
     return templates.TemplateResponse(request, "new_login.html", context)
-
-
-def _page(name: str) -> str:
-    return f"/person?name={quote(name, safe='')}"

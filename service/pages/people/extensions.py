@@ -1,7 +1,7 @@
 """Extensions for many: of some students or all, for some assignments or all."""
 
 from collections.abc import Sequence
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -61,8 +61,8 @@ async def change(person: Instructor, form: forms.Form, database: Db) -> Response
     if (due is None) == (days is None):
         detail = "enter either how many days later, or a date and time that is the same for all"
         raise Problem(422, "invalid-request", detail, "/days")
-    if due is not None and due <= datetime.now(UTC):
-        raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
+    if due is not None:
+        form_times.refuse_past(due)
     count = await deadlines.extend_many(
         database,
         slugs,

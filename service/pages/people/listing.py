@@ -82,7 +82,12 @@ async def write_note(person: Staff, form: forms.Form, database: Db, name: Person
             raise Problem(404, "not-found", "no note with this id: reload the page")
     else:
         await notes.write(database, name, forms.required(form, "note", notes.LONGEST), person.name)
-    return RedirectResponse(f"/person?name={quote(name, safe='')}#notes", 303)
+    return RedirectResponse(f"{page_of(name)}#notes", 303)
+
+
+def page_of(name: str) -> str:
+    """Return the path of a person's page."""
+    return f"/person?name={quote(name, safe='')}"
 
 
 async def find_person(database: Db, name: str) -> Row:

@@ -27,7 +27,6 @@ from service.store.people.roster.reading import SKIP, Choices, read
 from service.store.people.roster.text import ENCODINGS
 
 router = APIRouter()
-TOKEN_S = 200.0 * tokens.DAY_S
 MOST_PEOPLE, MOST_ROWS = 10_000, 500
 COLUMN, ROLE = "column:", "role:"
 """What the names of fields begin with that choose the column of a field, or the role that a word means."""
@@ -53,7 +52,7 @@ async def import_roster(request: Request, person: Instructor, form: forms.Form, 
             raise Problem(422, "invalid-request", unclear, "/roster")
         return await _preview(request, form, content, plan, unclear)
     async with database.begin() as connection:
-        token_s = TOKEN_S if forms.field(form, "tokens") else None
+        token_s = tokens.TERM_DAYS * tokens.DAY_S if forms.field(form, "tokens") else None
         created = await carry_out(connection, plan, person.name, token_s)
     if created:
         headers = {"Content-Disposition": 'attachment; filename="tokens.csv"'}

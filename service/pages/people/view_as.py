@@ -1,7 +1,5 @@
 """See the pages as a student does: the staff as themselves in a student's role, or as one student."""
 
-from urllib.parse import quote
-
 from fastapi import APIRouter, Response
 from fastapi.responses import RedirectResponse
 
@@ -11,7 +9,7 @@ from service.auth.roles import OptionalUser, Staff
 from service.http.errors import Problem
 from service.http.state import Db
 from service.pages.course import home, setup
-from service.pages.people.listing import PersonName, find_person, show_person
+from service.pages.people.listing import PersonName, find_person, page_of, show_person
 from service.pages.rejected_forms import post_form
 from service.store.course import audit
 
@@ -47,6 +45,6 @@ async def stop(origin: forms.SameOrigin, person: OptionalUser, cookies: BrowserC
     token.
     """
     viewed = person.name if person is not None and person.views_another else ""
-    response = RedirectResponse(f"/person?name={quote(viewed, safe='')}" if viewed else "/", 303)
+    response = RedirectResponse(page_of(viewed) if viewed else "/", 303)
     cookies.stop_viewing(response)
     return response

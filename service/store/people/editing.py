@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from service.store.course import audit
 from service.store.database import Connection
-from service.store.people.people import COURSE, ROSTER, enroll
+from service.store.people.people import COURSE, ROSTER, enroll, has_instructor
 
 FIELDS = ROSTER[1:]
 """What can be changed of a person: everything but the login name, by which others know them."""
@@ -56,10 +56,9 @@ async def change(
         last = await connection.first(_LAST_CHANGE, {"name": name})
         raise ChangedMeanwhile(meanwhile, last.actor if last else "")
     changes = {field: values[field] for field in FIELDS if values[field] != present[field]}
-    if "role" in changes and present["role"] == "instructor":
-        others = await connection.one(_OTHER_INSTRUCTORS, {"name": name, "course": COURSE})
-        if not others.count:
-            raise LastInstructor
+    gives_up = "role" in changes and present["role"] == "instructor"
+    if gives_up and not await has_instructor(connection, besides=name):
+        raise LastInstructor
     if changes:
         await enroll(connection, [(name, *(changes.get(field) for field in FIELDS))])
         await audit.record(connection, by, "person", name, audit.changes(present, changes))
@@ -79,8 +78,4 @@ WHERE c.slug = %(course)s AND p.name = %(name)s
 _LAST_CHANGE = """
 SELECT actor FROM audit WHERE subject = %(name)s AND action IN ('person', 'add person')
 ORDER BY id DESC LIMIT 1
-"""
-_OTHER_INSTRUCTORS = """
-SELECT count(*) AS count FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
-WHERE c.slug = %(course)s AND m.role = 'instructor' AND p.name NOT IN (%(name)s, 'local')
 """

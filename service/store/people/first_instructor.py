@@ -17,7 +17,7 @@ class LinkOver(Exception):
 async def link_secret(database: Database) -> str | None:
     """Return the secret of the link, the same on all servers; None once the course has an instructor."""
     async with database.begin() as connection:
-        if await _has_instructor(connection):
+        if await people.has_instructor(connection):
             await connection.execute(_DELETE, {"secret": None})
             return None
         await connection.execute(_KEEP, {"secret": secrets.token_urlsafe(32)})
@@ -26,7 +26,7 @@ async def link_secret(database: Database) -> str | None:
 
 async def is_missing(database: Database) -> bool:
     """Return whether the course has no instructor."""
-    return await database.first(_INSTRUCTOR, {"course": people.COURSE}) is None
+    return not await people.has_instructor(database)
 
 
 async def is_link(database: Database, secret: str) -> bool:
@@ -48,7 +48,7 @@ async def create(
 
     ``password`` is a hash; without one they log in as before. Raises LinkOver.
     """
-    if await connection.first(_DELETE, {"secret": secret}) is None or await _has_instructor(connection):
+    if await connection.first(_DELETE, {"secret": secret}) is None or await people.has_instructor(connection):
         raise LinkOver
     await people.enroll(connection, [(name, "instructor", full_name)])
     if password is not None:
@@ -57,14 +57,6 @@ async def create(
     await audit.record(connection, name, "first instructor", name, {})
 
 
-async def _has_instructor(connection: Connection) -> bool:
-    return await connection.first(_INSTRUCTOR, {"course": people.COURSE}) is not None
-
-
-_INSTRUCTOR = """
-SELECT 1 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
-WHERE c.slug = %(course)s AND m.role = 'instructor' AND p.name <> 'local' LIMIT 1
-"""
 _KEEP = "INSERT INTO secret VALUES ('first instructor', %(secret)s) ON CONFLICT DO NOTHING"
 _IS_LINK = "SELECT 1 FROM secret WHERE name = 'first instructor' AND value = %(secret)s"
 _READ = "SELECT value FROM secret WHERE name = 'first instructor'"

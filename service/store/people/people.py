@@ -9,6 +9,7 @@ from service.store.people.sort_keys import fold, sort_key
 
 COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
+STAFF = ("assistant", "instructor")
 ROSTER = ("name", "role", "full_name", "email", "student_id", "section")
 LONGEST_NAME = 200
 # Every database has the person "local", which has no submissions, and is not listed, where people log in.
@@ -63,6 +64,13 @@ async def role(database: Database, name: str) -> str:
     """Return the person's role, which is "student" for an unknown person."""
     row = await database.first(_ROLE_OF, {"name": name, "course": COURSE})
     return "student" if row is None else str(row.role)
+
+
+async def has_instructor(queries: Queries, besides: str = "local") -> bool:
+    """Return whether somebody other than ``besides`` is an instructor of the course. The person "local" does
+    not count.
+    """
+    return await queries.first(_INSTRUCTOR, {"course": COURSE, "besides": besides}) is not None
 
 
 async def members(queries: Queries) -> Sequence[Row]:
@@ -147,6 +155,10 @@ FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.pers
         AND expires_at > now()
     ) given ON true
 WHERE c.slug = %(course)s
+"""
+_INSTRUCTOR = """
+SELECT 1 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+WHERE c.slug = %(course)s AND m.role = 'instructor' AND p.name NOT IN (%(besides)s, 'local') LIMIT 1
 """
 _MEMBERS_ABOUT = f"""
 SELECT {", ".join(f"{'m' if column == 'role' else 'p'}.{column}" for column in ROSTER)}

@@ -16,6 +16,7 @@ SHOWN_CHARACTERS = len(PREFIX) + 4  # characters of a token that lists show
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"  # no vowels, nothing that looks like a number: RFC 8628, 6.1
 LOGIN_S, MOST_PENDING = 900.0, 5000
 DAY_S = 86400.0
+TERM_DAYS = 200.0  # for which a token is valid unless another time is given
 
 
 @dataclass(frozen=True)

@@ -318,15 +318,15 @@ STORE = [
     Breakage(
         "the link of the first instructor works again",
         "service/store/people/first_instructor.py",
-        " is None or await _has_instructor(connection):",
-        " is None and await _has_instructor(connection):",
+        " is None or await people.has_instructor(connection):",
+        " is None and await people.has_instructor(connection):",
         ("tests/service/store/people/test_first_instructor.py",),
     ),
     Breakage(
         "the last instructor can give the role away",
         "service/store/people/editing.py",
-        "if not others.count:",
-        "if others.count:",
+        "if gives_up and not await has_instructor(connection, besides=name):",
+        "if gives_up and await has_instructor(connection, besides=name):",
         ("tests/service/store/people/test_editing.py",),
     ),
     Breakage(

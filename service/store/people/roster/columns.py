@@ -109,7 +109,8 @@ def choose(headings: Sequence[str], chosen: Mapping[str, str]) -> Columns:
     if found.get("full_name") and found["full_name"] == found.get("login"):
         del found["full_name"]
     rest = [heading for heading in headings if heading not in found.values()]
-    unused = [heading for heading in rest if _is_unused(heading, headings)]
+    known_unused = _unused(headings)
+    unused = [heading for heading in rest if heading in known_unused]
     return Columns(found, headings, unused, [heading for heading in rest if heading not in unused])
 
 
@@ -136,8 +137,10 @@ def _login_of_name(headings: Sequence[str]) -> str:
     return next((heading for heading in headings if plain(heading) == "name"), "")
 
 
-def _is_unused(heading: str, headings: Sequence[str]) -> bool:
+def _unused(headings: Sequence[str]) -> set[str]:
+    """Return the headings of columns that polhode has no use for."""
     words = [plain(heading) for heading in headings]
-    if CANVAS.issubset(words) and headings.index(heading) > words.index("section"):
-        return True  # an assignment of Canvas
-    return plain(heading) in UNUSED
+    found = {heading for heading, word in zip(headings, words, strict=True) if word in UNUSED}
+    if CANVAS.issubset(words):
+        found |= {*headings[words.index("section") + 1 :]}  # Canvas's assignments
+    return found

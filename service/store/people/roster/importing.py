@@ -9,8 +9,6 @@ from service.store.people import people, tokens
 from service.store.people.roster.problems import Question, count
 from service.store.people.roster.reading import Entry, Roster
 
-STAFF = ("assistant", "instructor")
-
 
 @dataclass(frozen=True)
 class Change:
@@ -52,7 +50,7 @@ async def compare(queries: Queries, roster: Roster, importer: str | None) -> Pla
     staying, changes = [], []
     for listed in roster.entries:
         entry, person = listed, known.get(listed.name)
-        if person is not None and person.role in STAFF and entry.role == "student":
+        if person is not None and person.role in people.STAFF and entry.role == "student":
             staying.append(f"{entry.name}: {person.role} in the course, student in the file")
             entry = entry._replace(role=None)
         if entry.name == importer and entry.role not in (None, "instructor"):

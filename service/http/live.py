@@ -15,7 +15,7 @@ from uuid import UUID
 import psycopg
 from fastapi.sse import ServerSentEvent
 
-from service.store.database import Database, Row, connect_options, is_outage
+from service.store.database import Database, Row, connect_options, end_task, is_outage
 from service.store.queue.runs import CHANNEL, PROGRESS
 from service.store.submissions import records
 
@@ -73,8 +73,7 @@ class Listener:
     async def stop(self) -> None:
         """Stop listening."""
         if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
+            await end_task(self._task)
 
     def leave(self) -> None:
         """Wake all waiting requests a last time, because the server is about to stop."""

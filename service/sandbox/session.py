@@ -145,7 +145,8 @@ class PlaySession:
 
         Raises SystemFault if the child ended before it ran any code of the submission.
         """
-        cut_short = self.stopped is Ended.TIMED_OUT and self._is_repeated  # earlier children used up the time
+        scene_end = self.stopped or self._by_status()
+        cut_short = scene_end is Ended.TIMED_OUT and self._is_repeated  # earlier children used up the time
         if not self.reader.prepared and not cut_short:
             if self.reader.not_prepared:
                 raise NotPrepared(
@@ -156,7 +157,6 @@ class PlaySession:
         for name, calls in self.job.calls(self.calls).items():
             if "calls" in (arrays := result.arrays.get(name, {})):
                 arrays["calls"] = calls  # what the submission's process says of them is worth nothing
-        scene_end = self.stopped or self._by_status()
         if scene_end is None:
             return
         statement = self.reader.statement

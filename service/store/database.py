@@ -203,6 +203,17 @@ async def _bounded() -> AsyncIterator[None]:
         raise psycopg.OperationalError(f"the database has not answered for {ANSWER_S:g} s") from error
 
 
+async def end_task(task: asyncio.Task[Any]) -> None:
+    """Cancel a task that uses the database until it has ended.
+
+    Before Python 3.12 a task may go on after ``cancel``: ``asyncio.wait_for``, with which psycopg_pool waits
+    for a connection, loses a cancellation that comes together with the connection.
+    """
+    while not task.done():
+        task.cancel()
+        await asyncio.wait([task], timeout=0.1)
+
+
 def is_outage(error: BaseException) -> bool:
     """Return whether the error means that the database is unreachable or lost, so that a retry may succeed
     once it is back.

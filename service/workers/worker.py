@@ -28,7 +28,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeLimits, processor_times
 from service.sandbox.untrusted_text import text
 from service.settings import Settings
-from service.store.database import Database, is_outage, patiently
+from service.store.database import Database, end_task, is_outage, patiently
 from service.store.queue import runs, workers
 from service.store.queue.jobs import FIRST, LATER, SLOW, first_gradings_wait, new_app
 from service.store.schema import WrongSchema, check_schema
@@ -91,7 +91,7 @@ class Worker:
         await asyncio.wait([stopping, housekeeping, taking], return_when=asyncio.FIRST_COMPLETED)
         if not stopping.done():
             log.critical("housekeeping or taking jobs ended unexpectedly: this worker stops")
-        housekeeping.cancel()
+        await end_task(housekeeping)
         await self._drain(taking)
         self._end_guest()
 
@@ -197,7 +197,7 @@ class Worker:
                 partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S
             )
         finally:
-            heartbeats.cancel()
+            await end_task(heartbeats)
             cancelled.clear()
             self._claimed = None
             self._pace.note(claimed.assignment, claimed.whose, watch.seconds())
@@ -238,7 +238,7 @@ class Worker:
             log.exception("measuring speed against accuracy failed")
             return speed_vs_accuracy.fault(number, _reason(error))
         finally:
-            giving_way.cancel()
+            await end_task(giving_way)
             cancelled.clear()
         return {speed_vs_accuracy.SWEPT: document.encode(), "sweep.svg": chart}
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import threading
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -86,6 +87,16 @@ def test_a_process_that_starts_when_no_time_is_left_is_no_fault(sandbox, monkeyp
     monkeypatch.setattr(budget, "wall_left", lambda: next(left, 0.0))
     slow = f"import time\ntime.sleep(1.0)\n{GOOD}"  # else it may have finished at that look
     assert sandbox.play(job(slow), budget=budget).scene_ends["one"].ended is Ended.TIMED_OUT
+
+
+@BY_THE_HOST
+def test_a_process_that_starts_with_little_CPU_time_left_is_no_fault(either_sandbox):
+    budget = TimeBudget(TimeLimits(cpu_s=10.0))
+    budget.charge(cpu_s=9.9, waited_s=0.0, running_s=10.0)
+    slow_setup = replace(job(GOOD), setup="while True: pass")
+    seen = either_sandbox.play(slow_setup, budget=budget)
+    assert seen.scene_ends["one"].ended is Ended.TIMED_OUT
+    assert seen.scene_ends["one"].sentence == "your submission used more than 10 s of CPU time in all"
 
 
 def test_what_finished_before_the_limit_is_kept(sandbox):

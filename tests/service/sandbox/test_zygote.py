@@ -1,16 +1,21 @@
 """One play after the other in a warm sandbox: each ends as if it were the only one."""
 
+import os
 import subprocess
 import threading
+import time
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from service.sandbox.job import Cell, Job, SceneRequest
-from service.sandbox.result import Cancelled
+from service.sandbox.result import Cancelled, SystemFault
+from tests.service.sandbox.test_sandbox import zygote_pid
 
+CGROUPS = Path("/sys/fs/cgroup")
 SETUP = "import numpy as np\nfrom scipy.integrate import quad"
 PLAYS = """
 import numpy as np
@@ -53,6 +58,35 @@ def test_a_guest_that_a_submission_crashes_is_replaced_and_counted(sandbox):
     assert result.scene_ends["one"].ended is Ended.KILLED and sandbox.replaced == before + 1
     for _ in range(2):
         assert sandbox.play(job("def f():\n    return 1.0")).finished("one")
+
+
+@pytest.fixture
+def little_memory(sandbox):
+    """A control group with 60 MB of memory, by version 1 or 2 of the kernel's interface."""
+    v1, v2 = CGROUPS / "memory/memory.limit_in_bytes", CGROUPS / "memory.max"
+    group = (v1 if v1.exists() else v2).parent / f"polhode-test-{os.getpid()}"
+    try:
+        group.mkdir()
+        (group / (v1 if v1.exists() else v2).name).write_text("60000000")
+    except OSError as error:
+        pytest.skip(f"this user may not limit memory: {error}")
+    yield group
+    sandbox.close()
+    while (group / "cgroup.procs").read_text():
+        time.sleep(0.01)
+    group.rmdir()
+
+
+def test_a_process_that_the_kernel_kills_for_memory_is_no_fault_of_the_student(sandbox, little_memory):
+    sandbox.wait_ready()
+    (little_memory / "cgroup.procs").write_text(str(zygote_pid(sandbox)))
+    with pytest.raises(SystemFault, match="no memory left"):
+        sandbox.play(job("def f():\n    return len(b'x' * 200_000_000)"))
+
+
+def test_a_submission_that_kills_itself_is_not_taken_for_one_without_memory(sandbox):
+    result = sandbox.play(job("import os\ndef f():\n    os.kill(os.getpid(), 9)"))
+    assert result.scene_ends["one"].ended is Ended.KILLED
 
 
 def test_a_guest_that_cannot_be_killed_costs_no_result(sandbox, monkeypatch, caplog):

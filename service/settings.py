@@ -109,6 +109,11 @@ class Settings(BaseSettings):
         "warning", description="Lowest level that is logged."
     )
 
+    @property
+    def is_single_user(self) -> bool:
+        """Whether a request without authentication belongs to the one local person, until people log in."""
+        return self.identity == "local" and self.person_header is None
+
     @field_validator("origins")
     @classmethod
     def _origins(cls, value: str) -> str:

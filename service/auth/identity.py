@@ -197,8 +197,7 @@ async def _by_cookie(cookies: cookies.Cookies, database: Database) -> Person | N
 
 
 async def _single_user(request: Request, settings: Settings, database: Database) -> Person:
-    single_user = settings.identity == "local" and settings.person_header is None
-    if not single_user or await first_instructor.people_log_in(database):
+    if not settings.is_single_user or await first_instructor.people_log_in(database):
         raise Problem(
             401,
             "nobody",

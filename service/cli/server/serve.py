@@ -122,9 +122,10 @@ class _Server(uvicorn.Server):
             places = [one.getsockname()[:2] for one in sockets or ()]
             _print(f"listening on {', '.join(_address(host, port) for host, port in places)}")
             held = self.config.app.state.held
-            secret = await first_instructor.link_secret(held[Database])
+            settings = held[Settings]
+            secret = await first_instructor.link_secret(held[Database], single_user=settings.is_single_user)
             if secret is not None:
-                address = held[Settings].public_url or _address(*places[0])
+                address = settings.public_url or _address(*places[0])
                 _print(
                     f"for a course open {address.rstrip('/')}/start#token={secret} once: it creates the first"
                     " instructor, and people log in from then on"

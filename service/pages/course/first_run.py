@@ -13,6 +13,7 @@ from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import account
 from service.pages.rejected_forms import post_form
+from service.settings import Settings
 from service.store.people import first_instructor, people
 
 router = APIRouter()
@@ -20,10 +21,14 @@ router = APIRouter()
 
 @router.get("/start", response_class=HTMLResponse)
 async def show_start(
-    request: Request, person: OptionalUser, database: Db, cookies: BrowserCookies
+    request: Request,
+    person: OptionalUser,
+    database: Db,
+    cookies: BrowserCookies,
+    settings: Held[Settings],
 ) -> Response:
     """Show the form that creates the first instructor; lead to the set-up page once there is one."""
-    if not await first_instructor.is_missing(database):
+    if not await first_instructor.is_needed(database, single_user=settings.is_single_user):
         return RedirectResponse("/setup", 303)
     context = {
         "known": _logged_in(person),
@@ -43,6 +48,7 @@ async def start(
     database: Db,
     cookies: BrowserCookies,
     checker: Held[PasswordChecker],
+    settings: Held[Settings],
 ) -> Response:
     """Create the first instructor and log them in. Who is logged in already becomes it themselves."""
     secret = forms.required(form, "token")
@@ -57,7 +63,9 @@ async def start(
         password = await checker.hash(account.new_password(form, name))
     try:
         async with database.begin() as connection:
-            await first_instructor.create(connection, secret, name, full_name, password)
+            await first_instructor.create(
+                connection, secret, name, full_name, password, single_user=settings.is_single_user
+            )
     except first_instructor.LinkOver:
         raise _not_the_link() from None
     response = RedirectResponse("/setup", 303)

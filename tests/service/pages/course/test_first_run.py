@@ -1,5 +1,7 @@
 """The form behind the printed link: it creates the first instructor, who is logged in, and works once."""
 
+from functools import partial
+
 import pytest
 
 from service.auth.passwords import PasswordChecker
@@ -13,7 +15,7 @@ FIELDS = {"name": "emmy", "full_name": "Emmy Noether", "password": PASSWORD, "ag
 
 @pytest.fixture
 def link(database_url):
-    return run(database_url, first_instructor.link_secret)
+    return run(database_url, partial(first_instructor.link_secret, single_user=True))
 
 
 @pytest.fixture(params=["local", "token"])
@@ -53,7 +55,7 @@ def test_a_wrong_field_keeps_what_was_typed_and_creates_nobody(new_app, database
     browser = Browser(new_app(database_url=database_url))
     status, page = browser.send("/start", page="/start", **{"token": link, **FIELDS} | fields)
     assert status == expected and sentence in page and 'value="Emmy Noether"' in page
-    assert run(database_url, first_instructor.is_missing)
+    assert not run(database_url, first_instructor.people_log_in)
     assert sql(database_url, "SELECT count(*) FROM person WHERE name <> 'local'") == [(0,)]
 
 
@@ -89,4 +91,9 @@ def test_who_views_as_a_student_makes_nobody_an_instructor(new_app, database_url
 def test_a_server_for_one_person_stays_as_it_is_without_the_link(new_app, database_url, link):
     app = new_app(database_url=database_url, identity="local")
     entered(database_url, "prof", "instructor")
-    assert Browser(app).open("/setup")[0] == 200
+    browser = Browser(app)
+    status, page = browser.open("/setup")
+    assert status == 200 and "Nobody logs in" in page
+    fields = FIELDS | {"name": "prof", "full_name": ""}
+    assert browser.send("/start", page="/start", token=link, **fields)[0] == 200 and browser.at == "/setup"
+    assert Browser(app).open("/v1/me")[0] == 401, "from then on people log in"

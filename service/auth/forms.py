@@ -17,7 +17,7 @@ from service.http.requests import read_capped
 Default = TypeVar("Default", float, None)
 FIELD = "csrf"
 MOST_FORM = 2 * 1024 * 1024
-MOST_FIELDS = 3000  # three for each of 900 assignments
+MOST_FIELDS = 4000  # four for each of 1000 assignments
 STALE = "this form has expired: reload the page and submit it again (cookies must be allowed)"
 SameOrigin = Annotated[None, Depends(same_origin)]
 

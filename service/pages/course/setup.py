@@ -1,5 +1,6 @@
 """The page that leads through the set-up of a course: staff, name, assignments, students, a trial."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -42,8 +43,9 @@ async def show(request: Request, person: Staff, database: Db) -> Response:
 
 @post_form(router, "/setup/course", page=show, at="/setup")
 async def name_course(person: Instructor, form: forms.Form, database: Db) -> Response:
-    """Save name, term and time zone of the course."""
+    """Save what was changed of name, term and time zone of the course."""
     about = settings_page.about_course(form)
+    about = {name: value for name, value in about.items() if form.get(f"seen-{name}") != value}
     settings = replace(await course_settings.read(database), **about)
     await course_settings.change(database, settings, {}, person.name)
     return RedirectResponse("/setup#assignments", 303)
@@ -51,19 +53,30 @@ async def name_course(person: Instructor, form: forms.Form, database: Db) -> Res
 
 @post_form(router, "/setup/assignments", page=show, at="/setup")
 async def choose(person: Instructor, form: forms.Form, database: Db) -> Response:
-    """Publish the assignments that are ticked, and save from when to when they are open."""
+    """Save what was changed of the assignments: whether they are published, and from when to when open."""
     rows = await settings_page.overview(database)
-    chosen = {row.slug: _settings(form, row) for row in rows if f"due-{row.slug}" in form}
+    chosen = {row.slug: _changes(form, row) for row in rows if f"due-{row.slug}" in form}
     async with database.begin() as connection:
-        for slug, settings in chosen.items():
-            await assignment_settings.change_in(connection, slug, settings, person.name)
+        for slug, changes in chosen.items():
+            if changes:
+                await assignment_settings.change_in(connection, slug, changes, person.name)
     return RedirectResponse("/setup#people", 303)
 
 
-def _settings(form: FormData, row: Row) -> dict[str, Any]:
-    """Return the settings of an assignment in the form."""
+def _changes(form: FormData, row: Row) -> dict[str, Any]:
+    """Return the settings of an assignment that differ from what the form showed, in its field ``seen``, so
+    that what others have changed meanwhile stays; all of them without this field.
+    """
+    published, available, due = (f"{name}-{row.slug}" for name in ("published", "available", "due"))
+    read: dict[str, tuple[str, Callable[[], Any]]] = {
+        "published": (published, lambda: bool(forms.field(form, published))),
+        "available_from": (available, lambda: form_times.moment(form, available)),
+        "due_at": (due, lambda: form_times.deadline(form, due, row.due_at)),
+    }
+    seen = forms.raw_field(form, f"seen-{row.slug}").split("|")
+    shown = dict(zip(read, seen, strict=True)) if len(seen) == len(read) else {}
     return {
-        "published": bool(forms.field(form, f"published-{row.slug}")),
-        "available_from": form_times.moment(form, f"available-{row.slug}"),
-        "due_at": form_times.deadline(form, f"due-{row.slug}", row.due_at),
+        setting: value()
+        for setting, (name, value) in read.items()
+        if shown.get(setting) != forms.raw_field(form, name)
     }

@@ -1,7 +1,7 @@
 """The first instructor of a course, who is created with the link that the server prints.
 
-The link works once: its secret is deleted with its use, and once an instructor can log in. On a server without
-logins everybody may do everything until it is used, even if a roster names instructors.
+The link works once: its secret is deleted with its use, and once an instructor can log in. On a server
+without logins everybody may do everything until it is used, even if a roster names instructors.
 """
 
 import secrets

@@ -74,6 +74,28 @@ def test_what_is_ticked_is_published_with_its_dates(looks, url, drafts):
     assert settings(url)[0] is False
 
 
+def test_a_form_that_was_open_meanwhile_undoes_nothing(looks, url, drafts):
+    page = looks("prof", "/setup")[1]
+    hidden = re.findall(r'<input type="hidden" name="(seen-[\w-]+)" value="([^"]*)">', page)
+    fields = {name.removeprefix("seen-"): value for name, value in hidden}
+    assert fields["waves"] == "||" and fields["time_zone"] == "UTC" and fields["title"] == ""
+    sql(url, "UPDATE assignment SET published = true, due_at = %s WHERE slug = 'waves'", f"{DUE}Z")
+    sql(url, "UPDATE course SET title = 'Tops'")
+    chosen = {f"available-{slug}": "" for slug in ("waves", "rigid-body")}
+    chosen |= {"due-waves": "", "published-rigid-body": "yes", "due-rigid-body": "", **dict(hidden)}
+    chosen |= {"available-waves": "2099-01-01T08:00"}
+    assert looks("prof", "/setup/assignments", at="/setup", **chosen)[0] == 200
+    assert settings(url)[0] and settings(url, "waves") == (
+        True,
+        datetime(2099, 1, 1, 8, tzinfo=UTC),
+        datetime(2099, 3, 1, 12, tzinfo=UTC),
+    )
+    course = {"title": "", "term": "Winter", "time_zone": "UTC", **dict(hidden)}
+    assert looks("prof", "/setup/course", at="/setup", **course)[0] == 200
+    assert sql(url, "SELECT title, term FROM course") == [("Tops", "Winter")]
+    sql(url, "UPDATE course SET title = '', term = ''")
+
+
 def test_a_deadline_in_the_past_asks(looks, url, drafts):
     past = (datetime.now(UTC) - timedelta(days=1)).strftime("%Y-%m-%dT%H:%M")
     fields = {"published-rigid-body": "yes", "due-rigid-body": past, "due-waves": DUE}

@@ -135,6 +135,7 @@ def _import_roster(arguments: argparse.Namespace) -> None:
     roster = read(arguments.file.read_bytes(), arguments.file.name, choices)
 
     async def import_roster(connection: Connection, target: TextIO | None = None) -> int:
+        await people.lock_members(connection)
         plan = await compare(connection, roster, None)
         _print_columns(roster)
         _refuse_unclear(plan, confirmed=arguments.confirm)

@@ -17,13 +17,12 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages.people.listing import show_people
 from service.pages.rejected_forms import post_form
-from service.store.database import Database
-from service.store.people import tokens
+from service.store.people import people, tokens
 from service.store.people.people import ROLES
 from service.store.people.roster.columns import BEFORE_AT, FIELDS
 from service.store.people.roster.importing import Plan, carry_out, compare
 from service.store.people.roster.problems import MOST_SHOWN, BadRoster, shortened
-from service.store.people.roster.reading import SKIP, Choices, read
+from service.store.people.roster.reading import SKIP, Choices, Roster, read
 from service.store.people.roster.text import ENCODINGS
 
 router = APIRouter()
@@ -35,8 +34,8 @@ COLUMN, ROLE = "column:", "role:"
 @post_form(router, "/people/preview", page=show_people, at="/people")
 async def preview_roster(request: Request, person: Instructor, form: forms.Form, database: Db) -> Response:
     """Show what the import of a roster would add and change, and what must be confirmed or corrected."""
-    file, content = await _file(form)
-    return await _preview(request, form, content, await _plan(form, file, content, person, database))
+    content, roster = await _read(form)
+    return await _preview(request, form, content, await compare(database, roster, _importer(person)))
 
 
 @post_form(router, "/people", page=show_people, at="/people")
@@ -45,15 +44,18 @@ async def import_roster(request: Request, person: Instructor, form: forms.Form, 
 
     What is unclear must be confirmed; else the preview is shown again.
     """
-    file, content = await _file(form)
-    plan = await _plan(form, file, content, person, database)
-    if unclear := _unclear(form, plan):
+    content, roster = await _read(form)
+    created: list[tuple[str, str]] = []
+    async with database.begin() as connection:
+        await people.lock_members(connection)
+        plan = await compare(connection, roster, _importer(person))
+        if not (unclear := _unclear(form, plan)):
+            token_s = tokens.TERM_DAYS * tokens.DAY_S if forms.field(form, "tokens") else None
+            created = await carry_out(connection, plan, person.name, token_s)
+    if unclear:
         if not wants_page(request):
             raise Problem(422, "invalid-request", unclear, "/roster")
         return await _preview(request, form, content, plan, unclear)
-    async with database.begin() as connection:
-        token_s = tokens.TERM_DAYS * tokens.DAY_S if forms.field(form, "tokens") else None
-        created = await carry_out(connection, plan, person.name, token_s)
     if created:
         headers = {"Content-Disposition": 'attachment; filename="tokens.csv"'}
         return Response(
@@ -74,8 +76,9 @@ async def _file(form: FormData) -> tuple[str, bytes]:
         ) from None
 
 
-async def _plan(form: FormData, file: str, content: bytes, person: Person, database: Database) -> Plan:
-    """Return what an import would do. Raises Problem 422 if the file is not a roster."""
+async def _read(form: FormData) -> tuple[bytes, Roster]:
+    """Return the file in a form, and its roster. Raises Problem 422 if it is none."""
+    file, content = await _file(form)
     try:
         found = await asyncio.to_thread(read, content, file, _choices(form))
     except BadRoster as error:
@@ -83,7 +86,12 @@ async def _plan(form: FormData, file: str, content: bytes, person: Person, datab
     if len(found.entries) > MOST_PEOPLE:
         detail = f"the roster has more than {MOST_PEOPLE} people: split the file"
         raise Problem(422, "invalid-request", detail, "/roster")
-    return await compare(database, found, None if person.single_user else person.name)
+    return content, found
+
+
+def _importer(person: Person) -> str | None:
+    """Return the name of the instructor who imports, None if everybody is one."""
+    return None if person.single_user else person.name
 
 
 def _choices(form: FormData) -> Choices:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from service.store.course import audit
 from service.store.database import Connection
-from service.store.people.people import COURSE, ROSTER, enroll, has_instructor
+from service.store.people.people import COURSE, ROSTER, enroll, has_instructor, lock_members
 
 FIELDS = ROSTER[1:]
 """What can be changed of a person: everything but the login name, by which others know them."""
@@ -34,7 +34,7 @@ class ChangedMeanwhile(Exception):
 
 async def add(connection: Connection, name: str, values: Mapping[str, str], by: str) -> None:
     """Add a person with these values of FIELDS. Raises KnownPerson."""
-    await _lock(connection)
+    await lock_members(connection)
     if await connection.first(_READ, {"name": name, "course": COURSE}) is not None:
         raise KnownPerson
     await enroll(connection, [(name, *(values[field] for field in FIELDS))])
@@ -48,7 +48,7 @@ async def change(
 
     The audit log gets the old and the new value of what differs. Raises ChangedMeanwhile and LastInstructor.
     """
-    await _lock(connection)
+    await lock_members(connection)
     present = (await connection.one(_READ, {"name": name, "course": COURSE}))._asdict()
     if meanwhile := {
         field: (seen[field], present[field]) for field in FIELDS if seen[field] != present[field]
@@ -64,12 +64,6 @@ async def change(
         await audit.record(connection, by, "person", name, audit.changes(present, changes))
 
 
-async def _lock(connection: Connection) -> None:
-    """Let nobody else change people until the transaction ends."""
-    await connection.execute(_LOCK, {"course": COURSE})
-
-
-_LOCK = "SELECT id FROM course WHERE slug = %(course)s FOR NO KEY UPDATE"
 _READ = f"""
 SELECT {", ".join("m.role" if field == "role" else f"p.{field}" for field in FIELDS)}
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id

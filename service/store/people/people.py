@@ -60,6 +60,11 @@ async def enroll(connection: Connection, roster: Iterable[Sequence[str | None]])
         await connection.execute(statement, values | {"course": COURSE})
 
 
+async def lock_members(connection: Connection) -> None:
+    """Let nobody else add or change people until the transaction ends."""
+    await connection.execute(_LOCK, {"course": COURSE})
+
+
 async def role(database: Database, name: str) -> str:
     """Return the person's role, which is "student" for an unknown person."""
     row = await database.first(_ROLE_OF, {"name": name, "course": COURSE})
@@ -111,6 +116,7 @@ async def secret(database: Database, name: str) -> bytes:
     ).encode()
 
 
+_LOCK = "SELECT id FROM course WHERE slug = %(course)s FOR NO KEY UPDATE"
 _ENTER_ALL = """
 INSERT INTO person (name, sort_key)
 SELECT * FROM unnest(CAST(%(name)s AS text[]), CAST(%(sort_key)s AS text[])) ON CONFLICT DO NOTHING

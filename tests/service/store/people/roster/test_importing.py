@@ -1,11 +1,13 @@
 """What the import of a roster changes in a course, and what it asks first."""
 
+import asyncio
+
 import pytest
 
 from service.store.people import people
 from service.store.people.roster.importing import carry_out, compare
 from service.store.people.roster.reading import read
-from tests.support.database import run, sql
+from tests.support.database import entered, run, sql
 
 COURSE = [
     ("prof", "instructor", "Ida Hu", "hu@x.org"),
@@ -109,3 +111,22 @@ def test_an_import_keeps_what_the_file_leaves_out_and_gives_tokens(plan, databas
     assert [name for name, _ in run(database_url, import_it)] == ["ann", "zoe"]
     about = "SELECT full_name, email, student_id, section FROM person WHERE name = 'ann'"
     assert sql(database_url, about) == [("Ann Lee", "new@x.org", "7", "A")]
+
+
+def test_two_rosters_at_once_leave_an_instructor(database_url):
+    for name in ("prof", "emmy"):
+        entered(database_url, name, "instructor")
+
+    async def imported(database, name):
+        async with database.begin() as connection:
+            await people.lock_members(connection)
+            found = await compare(connection, read(f"name,role\n{name},assistant\n".encode(), "r.csv"), None)
+            await asyncio.sleep(0.1)  # without the lock both have compared by then
+            if not found.errors:
+                await carry_out(connection, found, "boss", None)
+            return len(found.errors)
+
+    async def both(database):
+        return await asyncio.gather(*(imported(database, name) for name in ("prof", "emmy")))
+
+    assert sorted(run(database_url, both)) == [0, 1]

@@ -22,6 +22,7 @@ from service.grading.diagnosis.explanations import (
     WHOLE,
     Cause,
     Component,
+    Rank,
     causes,
     components,
     diagnoses,
@@ -56,11 +57,12 @@ def diagnose_question(
     """Return the diagnosis of the cause that alone predicts the arrays of the question's scenes, else those
     of its wrong components, each for itself; none if nothing predicts them.
 
-    Of several causes, declared mistakes come first; solutions with two changes are played only if nothing
-    else predicts any wrong component. Parts of a question, such as a motion, follow from its values. A kind
-    that diagnoses its arrays itself needs no variant. The diagnosis records the scenes that were needed: the
-    public ones if they alone show it. If the ``budget`` is spent before all variants are known, or the
-    machine is too busy, there is none. Raises SystemFault if the sandbox fails.
+    Of several causes, declared mistakes come first, and if they predict all, no other version is played;
+    solutions with two changes are played only if nothing else predicts any wrong component. Parts of a
+    question, such as a motion, follow from its values. A kind that diagnoses its arrays itself needs no
+    variant. The diagnosis records the scenes that were needed: the public ones if they alone show it. If the
+    ``budget`` is spent before all variants are known, or the machine is too busy, there is none. Raises
+    SystemFault if the sandbox fails.
     """
     arrays = played.result.arrays
     asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
@@ -104,10 +106,17 @@ def diagnose_question(
         for s in scenes
         if s.question is not None
     }
-    kinds = {"single": assignment.variants} | ({"double": assignment.pairs} if any(wrong.values()) else {})
+    kinds: dict[str, Callable[[str], Sequence[Variant]]] = {
+        "declared": functools.partial(_declared, assignment),
+        "single": assignment.variants,
+    }
+    kinds |= {"double": assignment.pairs} if any(wrong.values()) else {}
     try:
         for kind, versions in kinds.items():
-            if found := _explained(scenes, played, wrong, versions(id), functools.partial(predict, kind)):
+            found, is_declared = _explained(
+                scenes, played, wrong, versions(id), functools.partial(predict, kind)
+            )
+            if found and (is_declared or kind != "declared"):
                 return found
     except (_NotKnown, TooBusy):
         pass
@@ -116,6 +125,12 @@ def diagnose_question(
         if found := in_general(scene.question, arrays[scene.name], played.truths[scene.name]):
             return with_scenes(found, [scene.name])
     return []
+
+
+def _declared(assignment: Assignment, id: str) -> list[Variant]:
+    """Return the right solution of a question and its declared mistakes."""
+    versions = assignment.variants(id)
+    return [*versions[:1], *(version for version in versions[1:] if version.declared)]
 
 
 def _with_enough_rows(scenes: Sequence[Scene], played: PlayedJob) -> PlayedJob:
@@ -194,12 +209,14 @@ def _explained(
     wrong: Mapping[str, Sequence[Component]],
     versions: Sequence[Variant],
     predict: Callable[[Scene, Sequence[Variant]], Predictions],
-) -> list[Diagnosis]:
+) -> tuple[list[Diagnosis], bool]:
     """Return the diagnoses of the scenes' arrays by versions of the right solution, or by what the arrays
-    are. ``wrong`` are the wrong components of each scene.
+    are, and whether declared mistakes predict all of them, so that no other version matters.
+
+    ``wrong`` are the wrong components of each scene.
     """
     if not scenes:
-        return []
+        return [], False
     used = list[str]()
     left: dict[Component, set[Cause]] = {}
     public: tuple[list[Diagnosis], tuple[str, ...]] = ([], ())
@@ -217,7 +234,14 @@ def _explained(
         if not callable(scene.inputs):
             public = diagnoses(left, student, right), tuple(used)
     given = diagnoses(left, student, right)
-    return with_scenes(given, public[1] if given == public[0] else used)
+    return with_scenes(given, public[1] if given == public[0] else used), _all_declared(left)
+
+
+def _all_declared(left: Mapping[Component, Collection[Cause]]) -> bool:
+    """Return whether declared mistakes predict the whole answer, or each wrong component."""
+    declared = {part for part, found in left.items() if any(cause.rank is Rank.DECLARED for cause in found)}
+    wrong = left.keys() - {WHOLE}
+    return WHOLE in declared or (bool(wrong) and wrong <= declared)
 
 
 def _chosen(

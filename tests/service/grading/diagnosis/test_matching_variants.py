@@ -39,6 +39,29 @@ def test_variants_that_need_too_long_diagnose_nothing_and_nothing_of_them_is_kep
     assert codes(walks, sandbox) == {"missing-term"}
 
 
+def test_declared_mistakes_are_played_first_and_if_they_predict_all_nothing_else_is(
+    walks, sandbox, monkeypatch
+):
+    played, variants = [], matching_variants.play_variants
+
+    def play_variants(job, scene, chosen, *others, **limits):
+        played.append([variant.declared for variant in chosen])
+        return variants(job, scene, chosen, *others, **limits)
+
+    monkeypatch.setattr(matching_variants, "play_variants", play_variants)
+    assert codes(walks, sandbox) == {"missing-term"}
+    assert played and all(all(declared) for _, *declared in played)
+    played.clear()
+    grade(
+        Submission(WRONG.replace("square.mean(axis=0)", "square.mean(axis=0) + 0.1")),
+        walks,
+        sandbox,
+        1,
+        ["2"],
+    )
+    assert not all(all(declared) for _, *declared in played)
+
+
 def test_all_questions_of_a_grading_share_one_budget(walks, sandbox, monkeypatch):
     budgets, variants = [], matching_variants.play_variants
 

@@ -38,7 +38,7 @@ from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import account, api_reference, login, queue, regrades, speed_vs_accuracy
-from service.pages.class_view import assignment_rules, tabs
+from service.pages.class_view import assignment_rules, class_pages
 from service.pages.course import first_run, home, imported_lines, setup
 from service.pages.course import settings as course_settings
 from service.pages.people import editing, extensions, listing, roster, view_as
@@ -74,7 +74,7 @@ PAGES = (
     roster.router,
     course_settings.router,
     imported_lines.router,
-    tabs.router,
+    class_pages.router,
     assignment_rules.router,
     exports.router,
     queue.router,

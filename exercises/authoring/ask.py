@@ -17,7 +17,7 @@ from exercises.authoring.kinds.ode import ode
 from exercises.authoring.kinds.random import estimate, samples
 from exercises.authoring.kinds.stepper import stepper
 from exercises.authoring.kinds.values import values
-from exercises.authoring.questions.declared import Value
+from exercises.authoring.questions.argument_types import Value
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NoSolution, NotebookSolution, Solutions
 from polhode.judging.outcome import Tolerance

@@ -16,7 +16,7 @@ import numpy as np
 
 from exercises.authoring.draws import JointDraw
 from exercises.authoring.kinds.values import of_expression
-from exercises.authoring.questions.declared import Itself, Mistake, Value
+from exercises.authoring.questions.argument_types import Itself, Mistake, Value
 from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 from exercises.authoring.solutions import NotebookSolution
 from exercises.authoring.written_mistakes import WrittenMistake, source_of

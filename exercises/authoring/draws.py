@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.authoring.questions.declared import SHORT, Draw, Family, Value
+from exercises.authoring.questions.argument_types import SHORT, Draw, Family, Value
 from exercises.authoring.written_mistakes import source_of
 from polhode.judging.outcome import Tolerance
 

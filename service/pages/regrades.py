@@ -20,7 +20,7 @@ from service.http.live import ChangeFeed, Listener
 from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages.class_view import tabs
+from service.pages.class_view import class_pages
 from service.pages.queue import Queue
 from service.pages.rejected_forms import post_form
 from service.pages.submission import page as submission
@@ -57,7 +57,7 @@ async def list_regrades(request: Request, person: Staff, assignment: Assigned, d
 @post_form(
     router, "/assignments/{slug}/submissions/{id}/regrades", page=submission.report, at=submission.PATH
 )
-@post_form(router, tabs.SUBMISSIONS, page=tabs.show_submissions, at=tabs.SUBMISSIONS)
+@post_form(router, class_pages.SUBMISSIONS, page=class_pages.show_submissions, at=class_pages.SUBMISSIONS)
 @post_form(router, LIST, page=list_regrades, at=LIST)
 async def create(person: Staff, form: Form, assignment: Assigned, database: Db, queue: Queue) -> Response:
     """Start a preview regrade of the selected submissions. Shown results do not change."""

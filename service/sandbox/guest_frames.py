@@ -21,7 +21,7 @@ from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.claims import Claim
 from polhode.judging.outcome import Ended, SceneEnd
 from polhode.judging.remarks import MOST_REMARKS, Absent, Notes
-from service.sandbox import claims
+from service.sandbox import claim_frames
 from service.sandbox.guest.cells.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
 from service.sandbox.guest.cells.place import Place
 from service.sandbox.guest.wire import HEADER
@@ -65,11 +65,11 @@ class Reader:
             sum(math.prod(a.shape) * DTYPES[a.dtype].itemsize for a in s.returns.values()) for s in job.scenes
         ]
         self._most = {b"J": MOST_JSON, b"A": MOST_JSON + max(sizes, default=0)}
-        self._most |= {b"C": claims.MOST_BYTES, b"D": claims.MOST_BLOCK}
+        self._most |= {b"C": claim_frames.MOST_BYTES, b"D": claim_frames.MOST_BLOCK}
         self._buffer = bytearray()
         self.loaded = False
         self._lines, self.streamed = job.lines, 0
-        self._field: claims.Field | None = None
+        self._field: claim_frames.Field | None = None
         self._claims, self._numbers = (
             {False: 0, True: 0},
             0,
@@ -195,8 +195,8 @@ class Reader:
         (length,) = HEADER.unpack_from(payload) if len(payload) >= HEADER.size else (0,)
         header, numbers = _json(payload[HEADER.size : HEADER.size + length]), payload[HEADER.size + length :]
         try:
-            cell, place, claim, long = claims.read(header, numbers, self._cells, text)
-            shape = claims.shape_of(header, long) if long else ()
+            cell, place, claim, long = claim_frames.read(header, numbers, self._cells, text)
+            shape = claim_frames.shape_of(header, long) if long else ()
         except ValueError:
             raise ProtocolError("not a claim") from None
         self._claims[place is not None] += 1
@@ -211,7 +211,7 @@ class Reader:
         if long:
             fixed, truth = self._lines.get((cell, place), ((), None)) if place else ((), None)
             claim = replace(claim, numbers={**claim.numbers, **dict(fixed)})
-            self._field = claims.Field(
+            self._field = claim_frames.Field(
                 cell, place, claim, long, shape=shape, truth=truth() if truth else None
             )
         else:
@@ -229,7 +229,7 @@ class Reader:
             self._keep(self._field.cell, self._field.place, replace(self._field.claim, arrays={}))
             self._field = None
 
-    def _keep(self, cell: str, place: claims.Place, claim: Claim) -> None:
+    def _keep(self, cell: str, place: claim_frames.Place, claim: Claim) -> None:
         if place is None:
             self.result.claims.append(claim.outcome(cell))
         else:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exercises.authoring.importing.validation_calls import Call
-from exercises.authoring.questions.declared import Rule, is_numeric
+from exercises.authoring.questions.argument_types import Rule, is_numeric
 from polhode.judging.checks import Check
 from polhode.judging.claims import Claim
 from polhode.judging.judge import Judgement, Verdict

@@ -10,7 +10,7 @@ import numpy as np
 from exercises.authoring.assignments.assignment import ArraySpec, Scene
 from exercises.authoring.kinds import kind
 from exercises.authoring.kinds.motion_behind_animation import own_motion
-from exercises.authoring.questions.declared import Given, Itself, Limit, Positive, tolerance_data
+from exercises.authoring.questions.argument_types import Given, Itself, Limit, Positive, tolerance_data
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 from polhode.animation.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH

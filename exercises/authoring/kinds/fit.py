@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.declared import Draw, LimitOrValue, Named, Rule, is_numeric, named_values
+from exercises.authoring.questions.argument_types import (
+    Draw,
+    LimitOrValue,
+    Named,
+    Rule,
+    is_numeric,
+    named_values,
+)
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 

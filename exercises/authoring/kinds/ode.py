@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exercises.authoring.assignments.assignment import Sweep
 from exercises.authoring.assignments.sweep import BUDGET_S, SETTINGS, result
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.declared import (
+from exercises.authoring.questions.argument_types import (
     Agree,
     Count,
     Expression,

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.stats
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.declared import (
+from exercises.authoring.questions.argument_types import (
     Close,
     Given,
     Limit,

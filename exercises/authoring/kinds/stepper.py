@@ -13,7 +13,7 @@ from exercises.authoring.assignments.assignment import ArraySpec, Scene, Sweep
 from exercises.authoring.assignments.sweep import BUDGET_S, result_of_steppers
 from exercises.authoring.kinds import kind
 from exercises.authoring.kinds.ode import converged
-from exercises.authoring.questions.declared import (
+from exercises.authoring.questions.argument_types import (
     Absolute,
     Agree,
     Close,

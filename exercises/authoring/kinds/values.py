@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.declared import (
+from exercises.authoring.questions.argument_types import (
     Agree,
     Family,
     Given,

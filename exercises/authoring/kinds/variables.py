@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.declared import Expression, Named, Numbers, Text, Value, named_values
+from exercises.authoring.questions.argument_types import Expression, Named, Numbers, Text, Value, named_values
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.outcome import Tolerance

@@ -11,7 +11,7 @@ from exercises.authoring.assignments.samples import codes
 from exercises.authoring.importing.validation_cells import LINE
 from exercises.authoring.mutants.mutation import pairs, variants
 from exercises.authoring.mutants.solution import Variant
-from exercises.authoring.questions.declared import Mistake
+from exercises.authoring.questions.argument_types import Mistake
 from exercises.authoring.questions.question import Question
 from exercises.authoring.written_mistakes import WrittenMistake
 from polhode.judging.judge import Verdict

@@ -16,7 +16,7 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.authoring.draws import JointDraw, JointlyDrawn, ListDraw
-from exercises.authoring.questions.declared import (
+from exercises.authoring.questions.argument_types import (
     ARGUMENTS,
     SHORT,
     Draw,

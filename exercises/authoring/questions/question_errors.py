@@ -7,7 +7,7 @@ import keyword
 from collections.abc import Iterator
 from types import FunctionType
 
-from exercises.authoring.questions.declared import Family, Mistake
+from exercises.authoring.questions.argument_types import Family, Mistake
 from exercises.authoring.questions.question import Question
 from exercises.authoring.written_mistakes import WrittenMistake
 from polhode.kinds.asking import KNOWN, is_source

@@ -16,7 +16,7 @@ from polhode.judging.outcome import SweepResult
 from polhode.report import figure_files
 from polhode.report.dataclass_json import read
 from service.grading.author_errors import author_errors, find_assignment
-from service.grading.figures import chart_card
+from service.grading.figures import speed_vs_accuracy
 from service.grading.figures.chart_drawing import draw as draw_chart
 from service.grading.grade import Graded
 from service.grading.graded_file import ARRAYS
@@ -103,14 +103,14 @@ def draw_stored(
 
 def draw_sweep(swept: SweepResult) -> bytes:
     """Draw speed against accuracy of a submission, as SVG."""
-    return draw_chart(chart_card.card(swept))
+    return draw_chart(speed_vs_accuracy.card(swept))
 
 
 def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
     """Draw the sweeps of a class, as JSON. Uses the most frequent scene only."""
     found = [swept for swept in (read(SweepResult, one) for one in documents) if plausible(swept)]
     scene = Counter([swept.scene for swept in found] or [""]).most_common(1)[0][0]
-    return draw_chart(chart_card.of_class(scene, [s.points for s in found if s.scene == scene]))
+    return draw_chart(speed_vs_accuracy.of_class(scene, [s.points for s in found if s.scene == scene]))
 
 
 def plausible(swept: SweepResult) -> bool:

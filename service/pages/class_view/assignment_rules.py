@@ -14,7 +14,7 @@ from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.pages import form_times
-from service.pages.class_view import tabs
+from service.pages.class_view import class_pages
 from service.pages.rejected_forms import post_form
 from service.store.course import assignment_settings, deadlines, gradebook
 from service.store.submissions import speed_vs_accuracy
@@ -38,14 +38,16 @@ async def class_sweep(
     return Response(await renderer.class_sweep(documents), media_type="image/svg+xml")
 
 
-@post_form(router, "/assignments/{slug}/class/sweep", page=tabs.overview, at="/assignments/{slug}/class")
+@post_form(
+    router, "/assignments/{slug}/class/sweep", page=class_pages.overview, at="/assignments/{slug}/class"
+)
 async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Queue the speed vs accuracy sweep of all counted submissions, behind all other jobs."""
     await speed_vs_accuracy.request_class(database, await gradebook.students(database, assignment.slug))
     return RedirectResponse(f"/assignments/{assignment.slug}/class#speed", 303)
 
 
-@post_form(router, "/assignments/{slug}/rules", page=tabs.show_settings, at=tabs.SETTINGS)
+@post_form(router, "/assignments/{slug}/rules", page=class_pages.show_settings, at=class_pages.SETTINGS)
 async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Publish the assignment or make it a draft; set from when it is available, deadline, grace period,
     submission limit and weight. An empty field means no limit, and the weight 1.
@@ -67,7 +69,7 @@ async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, 
     return RedirectResponse(f"/assignments/{assignment.slug}/class/settings", 303)
 
 
-@post_form(router, "/assignments/{slug}/extensions", page=tabs.show_settings, at=tabs.SETTINGS)
+@post_form(router, "/assignments/{slug}/extensions", page=class_pages.show_settings, at=class_pages.SETTINGS)
 async def extend(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Give one person a new deadline with a reason. An empty deadline removes the extension."""
     slug, due, reason = assignment.slug, form_times.moment(form, "due"), forms.field(form, "reason")

@@ -15,7 +15,7 @@ from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import ZONE, find_zone, templates
-from service.pages.class_view import tabs
+from service.pages.class_view import class_pages
 from service.pages.rejected_forms import post_form
 from service.store.course import assignment_settings, course_settings, gradebook
 from service.store.course.assignment_settings import RELEASES
@@ -72,7 +72,7 @@ async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
     return RedirectResponse("/settings", 303)
 
 
-@post_form(router, "/assignments/{slug}/release", page=tabs.show_settings, at=tabs.SETTINGS)
+@post_form(router, "/assignments/{slug}/release", page=class_pages.show_settings, at=class_pages.SETTINGS)
 async def set_release(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Set when the students see scores and the details of hidden checks, or release them or withdraw the
     release now.

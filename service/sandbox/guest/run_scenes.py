@@ -21,9 +21,9 @@ from .calls import LOADED, Channel
 from .cells.claims import Recorder
 from .cells.running import Cells, Stopped
 from .ending import Cause, ending
-from .nothing import NOTHING
 from .returned_forms import in_form_of
 from .seal import Seal, in_place, names_used, private_modules
+from .stand_in import NOTHING
 from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
 

@@ -79,11 +79,11 @@ GRADING = [
     ),
     Breakage(
         "the notebook of verify lacks what a solution's cell sets besides",
-        "service/cli/authoring/verify/published_notebook.py",
+        "service/cli/authoring/verify/notebook_agreement.py",
         'if own\n                else [("", True)]',
         'if not own\n                else [("", True)]',
         (
-            "tests/service/cli/authoring/verify/test_published_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",
+            "tests/service/cli/authoring/verify/test_notebook_agreement.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",
         ),
     ),
     Breakage(

@@ -80,7 +80,7 @@ PHYSICS = [
     ),
     Breakage(
         "a part of an argument may have any type",
-        "exercises/authoring/questions/declared.py",
+        "exercises/authoring/questions/argument_types.py",
         "errors = [error for at, part, of in parts for",
         "errors = [error for at, part, of in parts[:0] for",
         ("tests/exercises/authoring/test_kinds.py",),

@@ -345,17 +345,17 @@ SANDBOX = [
     ),
     Breakage(
         "a claim of too many numbers is believed",
-        "service/sandbox/claims.py",
+        "service/sandbox/claim_frames.py",
         "if math.prod(max(n, 1) for n in shape) > MOST_NUMBERS:",
         "if math.prod(shape) > 2 * MOST_NUMBERS:",
-        ("tests/service/sandbox/test_claims.py",),
+        ("tests/service/sandbox/test_claim_frames.py",),
     ),
     Breakage(
         "of a large field only the last block is judged",
         "exercises/kit/polhode/judging/claims.py",
         "both = one.verdict is other.verdict is Verdict.PASS",
         "both = other.verdict is Verdict.PASS",
-        ("tests/service/sandbox/test_claims.py",),
+        ("tests/service/sandbox/test_claim_frames.py",),
     ),
     Breakage(
         "a strict ✗ of a validation word stops the rest of a given cell",

@@ -316,10 +316,10 @@ STORE = [
         ),
     ),
     Breakage(
-        "the link of the first instructor works again",
+        "any secret creates the first instructor",
         "service/store/people/first_instructor.py",
-        " is None or await people.has_instructor(connection):",
-        " is None and await people.has_instructor(connection):",
+        'if await connection.first(_DELETE, {"secret": secret}) is None:',
+        'if await connection.first(_DELETE, {"secret": secret}) is False:',
         ("tests/service/store/people/test_first_instructor.py",),
     ),
     Breakage(

@@ -121,8 +121,8 @@ WEB = [
     Breakage(
         "a server without logins stays open after its first instructor",
         "service/auth/identity.py",
-        "if not single_user or await first_instructor.people_log_in(database):",
-        "if not single_user:",
+        "if not settings.is_single_user or await first_instructor.people_log_in(database):",
+        "if not settings.is_single_user:",
         ("tests/service/pages/course/test_first_run.py",),
     ),
     Breakage(
@@ -274,6 +274,13 @@ WEB = [
                 partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S
             )""",
         "pass",
+        ("tests/service/workers/test_worker.py",),
+    ),
+    Breakage(
+        "a heartbeat that outlives its grading stops the next one",
+        "service/workers/worker.py",
+        "await end_task(heartbeats)",
+        "heartbeats.cancel()",
         ("tests/service/workers/test_worker.py",),
     ),
     Breakage(

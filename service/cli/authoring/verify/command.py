@@ -19,7 +19,7 @@ from exercises.authoring.assignments.samples import SampleSet, load_samples
 from exercises.authoring.importing.line_samples import right_notebooks
 from service.cli.arguments import count, seed
 from service.cli.authoring.verify.course_packages import import_errors
-from service.cli.authoring.verify.lines import has_lines, verify_lines
+from service.cli.authoring.verify.line_samples import has_lines, verify_lines
 from service.cli.authoring.verify.made_samples import declaration_errors, verify_made
 from service.cli.authoring.verify.written_samples import verify_written
 from service.sandbox.isolation.levels import Isolation

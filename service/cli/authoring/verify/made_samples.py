@@ -17,7 +17,7 @@ from polhode.judging.judge import Verdict
 from polhode.kinds import NEW_INPUTS
 from polhode.report.dataclass_json import document
 from polhode.report.report import Report
-from service.cli.authoring.verify.published_notebook import notebook_differences
+from service.cli.authoring.verify.notebook_agreement import notebook_differences
 from service.cli.authoring.verify.tally import Tally, cpu_warning
 from service.cli.batch_progress import Progress
 from service.grading.batch import grade_files

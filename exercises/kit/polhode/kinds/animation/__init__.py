@@ -80,7 +80,7 @@ def _of_body(question: Mapping[str, Any], scene: str) -> list[Check]:
     along L stays.
     """
     from polhode.kinds.animation.body import follows, keeps_momentum
-    from polhode.kinds.animation.body.motion import NAMES
+    from polhode.kinds.animation.body.right_motion import NAMES
     from polhode.kinds.animation.visibility import moves
 
     id, function, axis = question["number"], question["function"], question["body"]["axis"]
@@ -103,7 +103,7 @@ def _of_body(question: Mapping[str, Any], scene: str) -> list[Check]:
 
 
 def _body(question: Mapping[str, Any], truth: Arrays) -> Any:
-    from polhode.kinds.animation.body.motion import Body
+    from polhode.kinds.animation.body.right_motion import Body
 
     body = question["body"]
     L, half = (np.asarray(truth[body[name]]) if body[name] else None for name in ("L", "half"))

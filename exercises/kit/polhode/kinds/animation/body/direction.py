@@ -6,7 +6,7 @@ import numpy as np
 
 from polhode.kinds.animation import cameras, frame_times
 from polhode.kinds.animation.body import boxes
-from polhode.kinds.animation.body.motion import NAMES, Motion
+from polhode.kinds.animation.body.right_motion import NAMES, Motion
 from polhode.kinds.animation.cameras import PARALLEL
 from polhode.kinds.animation.frame_times import Array
 from polhode.kinds.animation.matching import Match

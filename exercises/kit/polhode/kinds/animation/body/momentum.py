@@ -7,7 +7,7 @@ import numpy as np
 from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras
 from polhode.kinds.animation.body.comparing import compared
-from polhode.kinds.animation.body.motion import Body, Motion
+from polhode.kinds.animation.body.right_motion import Body, Motion
 from polhode.kinds.animation.cameras import PARALLEL
 from polhode.kinds.animation.frame_times import LEAST_FRAMES, Array
 from polhode.kinds.animation.matching import Mistake, instead

@@ -8,7 +8,7 @@ import numpy as np
 
 from polhode.kinds.animation import cameras, frame_times
 from polhode.kinds.animation.body.direction import read
-from polhode.kinds.animation.body.motion import Motion
+from polhode.kinds.animation.body.right_motion import Motion
 from polhode.kinds.animation.cameras import PARALLEL
 from polhode.kinds.animation.frame_times import Array
 from polhode.kinds.animation.matching import matched, together

@@ -3,8 +3,8 @@
 import re
 
 from polhode.judging.outcome import SweepResult, SweptPoint
-from service.grading.figures.chart_card import card, of_class
 from service.grading.figures.chart_drawing import draw
+from service.grading.figures.speed_vs_accuracy import card, of_class
 
 
 def points(scale, stopped=False):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from polhode.judging.judge import Verdict
-from service.sandbox.claims import Field, read, shape_of
+from service.sandbox.claim_frames import Field, read, shape_of
 from service.sandbox.guest.cells.claims import MOST_NUMBERS
 from service.sandbox.untrusted_text import text
 

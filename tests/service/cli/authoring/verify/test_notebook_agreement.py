@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from service.cli.authoring.verify.published_notebook import notebook_differences
+from service.cli.authoring.verify.notebook_agreement import notebook_differences
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

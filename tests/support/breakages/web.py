@@ -277,13 +277,6 @@ WEB = [
         ("tests/service/workers/test_worker.py",),
     ),
     Breakage(
-        "a heartbeat that outlives its grading stops the next one",
-        "service/workers/worker.py",
-        "await end_task(heartbeats)",
-        "heartbeats.cancel()",
-        ("tests/service/workers/test_worker.py",),
-    ),
-    Breakage(
         "a stopped worker counts the run as failed",
         "service/workers/worker.py",
         'self._release("released", "the worker was stopped")',

@@ -7,7 +7,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 
 from service.auth import cookies, passwords
 from service.auth.forms import Form, field, raw_field
-from service.auth.identity import Person
+from service.auth.identity import LOCAL, Person
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import BY_NAME, LoginRateLimiter
 from service.auth.roles import CurrentUser
@@ -110,6 +110,18 @@ async def _check_current_password(
             if problem.status == 401:
                 raise Problem(401, "nobody", "the current password is wrong: try again", "/present") from None
             raise
+
+
+def new_login_name(form: Form) -> str:
+    """Return the login name of a new person in a form. Raises Problem 422 if it is not valid."""
+    try:
+        name = people.normalize_name(field(form, "name"))
+    except people.InvalidName as error:
+        raise Problem(422, "invalid-request", f"{error}: enter one", "/name") from None
+    if name == LOCAL:
+        detail = f"the name {LOCAL} is polhode's own: enter another one"
+        raise Problem(422, "invalid-request", detail, "/name")
+    return name
 
 
 def new_password(form: Form, name: str) -> str:

@@ -5,7 +5,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 
 from service.auth import forms, passwords
 from service.auth.cookies import BrowserCookies
-from service.auth.identity import LOCAL, Person
+from service.auth.identity import Person
 from service.auth.passwords import PasswordChecker
 from service.auth.roles import OptionalUser
 from service.http.errors import Problem
@@ -55,7 +55,7 @@ async def start(
     known, full_name, password = _logged_in(person), None, None
     if known is not None:
         known.with_scope("login")
-    name = known.name if known else _name(form)
+    name = known.name if known else account.new_login_name(form)
     if not await first_instructor.is_link(database, secret):
         raise _not_the_link()  # before the password is hashed, which takes a second
     if known is None:
@@ -82,15 +82,3 @@ def _not_the_link() -> Problem:
 def _logged_in(person: Person | None) -> Person | None:
     """Return the person unless they are the one that all visitors of a server without logins are."""
     return None if person is None or person.single_user else person
-
-
-def _name(form: forms.PublicForm) -> str:
-    try:
-        name = people.normalize_name(forms.field(form, "name"))
-    except people.InvalidName as error:
-        raise Problem(422, "invalid-request", f"{error}: enter one", "/name") from None
-    if name == LOCAL:
-        raise Problem(
-            422, "invalid-request", f"the name {LOCAL} is polhode's own: enter another one", "/name"
-        )
-    return name

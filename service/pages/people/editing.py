@@ -8,14 +8,13 @@ from starlette.datastructures import FormData
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.auth import forms
-from service.auth.identity import LOCAL
 from service.auth.passwords import PasswordChecker
 from service.auth.roles import Instructor
 from service.http.errors import Problem
 from service.http.requests import PublicAddress
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages import form_times
+from service.pages import account, form_times
 from service.pages.people.listing import PersonName, find_person, page_of, show_person
 from service.pages.rejected_forms import post_form
 from service.store.course import audit, deadlines
@@ -46,14 +45,7 @@ async def add(
     request: Request, person: Instructor, form: forms.Form, database: Db, address: PublicAddress
 ) -> Response:
     """Add a person; show their new token if the form asks for one."""
-    try:
-        name = people.normalize_name(forms.field(form, "name"))
-    except people.InvalidName as error:
-        raise Problem(422, "invalid-request", str(error), "/name") from None
-    if name == LOCAL:
-        raise Problem(
-            422, "invalid-request", f"the name {LOCAL} is polhode's own: enter another one", "/name"
-        )
+    name = account.new_login_name(form)
     values = _values(form)
     token = None
     try:

@@ -23,13 +23,13 @@ SameOrigin = Annotated[None, Depends(same_origin)]
 
 
 def csrf_token(person: Person | None, cookies: Cookies) -> str:
-    """Return the CSRF token of the session, of the person without a session, or of the anonymous
-    browser.
+    """Return the CSRF token of the session, of the person without a session, or of the anonymous browser.
+    Who sees the pages as a student does gets their own token, not the student's.
     """
     if person is None:
         owner = f"visit {cookies.anonymous_id}"
     else:
-        owner = f"session {person.session}" if person.session else f"person {person.name}"
+        owner = f"session {person.session}" if person.session else f"person {person.viewer or person.name}"
     return hmac.new(cookies.secret, owner.encode(), "sha256").hexdigest()
 
 

@@ -71,6 +71,8 @@ def test_the_token_of_a_form_is_of_one_session_person_or_visit():
     assert len({token(**one) for one in [*people, *visits]}) == 6 and all(
         token(**one) == token(**one) for one in people
     )
+    ann_as_ben = Person("ben", frozenset(), viewer="ann")
+    assert token(person=ann_as_ben) == token(person=Person("ann", frozenset())), "and not that of ben"
 
 
 @pytest.mark.parametrize("scopes", [("read",), tokens.NOTEBOOK])

@@ -26,6 +26,7 @@ LOOPS = {
 def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_guest(
     sandbox, rigid_body, where
 ):
+    sandbox.close()  # a guest ends with the thread that started it, which may be that of another test
     sandbox.wait_ready()
     before, timer = sandbox.zygotes, threading.Timer(0.6, sandbox.cancelled.set)
     timer.start()

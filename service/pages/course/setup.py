@@ -1,6 +1,6 @@
 """The page that leads through the set-up of a course: staff, name, assignments, students, a trial."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -64,19 +64,26 @@ async def choose(person: Instructor, form: forms.Form, database: Db) -> Response
 
 
 def _changes(form: FormData, row: Row) -> dict[str, Any]:
-    """Return the settings of an assignment that differ from what the form showed, in its field ``seen``, so
-    that what others have changed meanwhile stays; all of them without this field.
+    """Return the settings of an assignment that differ from what the form showed, so that what others have
+    changed meanwhile stays.
     """
-    published, available, due = (f"{name}-{row.slug}" for name in ("published", "available", "due"))
-    read: dict[str, tuple[str, Callable[[], Any]]] = {
-        "published": (published, lambda: bool(forms.field(form, published))),
-        "available_from": (available, lambda: form_times.moment(form, available)),
-        "due_at": (due, lambda: form_times.deadline(form, due, row.due_at)),
-    }
-    seen = forms.raw_field(form, f"seen-{row.slug}").split("|")
-    shown = dict(zip(read, seen, strict=True)) if len(seen) == len(read) else {}
-    return {
-        setting: value()
-        for setting, (name, value) in read.items()
-        if shown.get(setting) != forms.raw_field(form, name)
-    }
+    published, available, due = fields = [f"{name}-{row.slug}" for name in ("published", "available", "due")]
+    changed = _changed(form, f"seen-{row.slug}", fields)
+    changes: dict[str, Any] = {}
+    if published in changed:
+        changes["published"] = bool(forms.field(form, published))
+    if available in changed:
+        changes["available_from"] = form_times.moment(form, available)
+    if due in changed:
+        changes["due_at"] = form_times.deadline(form, due, row.due_at)
+    return changes
+
+
+def _changed(form: FormData, seen: str, fields: Sequence[str]) -> set[str]:
+    """Return the fields that differ from what the form showed, as its field ``seen`` has it, separated by
+    bars; all of them without this field.
+    """
+    shown = forms.raw_field(form, seen).split("|")
+    if len(shown) != len(fields):
+        return set(fields)
+    return {field for field, was in zip(fields, shown, strict=True) if was != forms.raw_field(form, field)}

@@ -115,9 +115,11 @@ async def list_comments(stored: Submission, database: Db) -> list[answers.Commen
 
 @router.post("/v1/submissions/{id}/comments", status_code=201, responses=problems(SENT))
 async def create_comment(
-    person: WritingStaff, stored: Submission, body: NewComment, database: Db
+    person: Submitter, stored: Submission, body: NewComment, database: Db
 ) -> answers.Comment:
-    """Write a comment on a line of a submission. The student can read it."""
+    """Write a comment on a line of a submission, which the student can read. The student who submitted can
+    answer on a line that has a comment.
+    """
     return _comment(await write_comment(database, person, stored, body.cell, body.line, body.comment))
 
 
@@ -127,7 +129,7 @@ async def create_comment(
     responses=problems(STORED | {413: "too-large"}),
 )
 async def remove_comment(person: WritingStaff, stored: Submission, comment: str, database: Db) -> Response:
-    """Delete a comment; the audit log keeps its text."""
+    """Delete a comment or a student's answer; the audit log keeps its text."""
     await delete_comment(database, person, stored, comment)
     return Response(status_code=204)
 
@@ -171,7 +173,22 @@ async def answer_request(
 async def write_comment(
     database: Db, person: Person, stored: SubmissionRecord, cell: int, line: int, comment: str
 ) -> Comment:
-    """Store a comment. Raises Problem 422 if the submission has no such line."""
+    """Store a comment. Raises Problem 422 if the submission has no such line or too many comments, and 403
+    unless ``person`` is of the staff, or submitted and answers on a line with a comment.
+    """
+    earlier = await comments.of_submission(database, stored.id)
+    if person.role not in STAFF and all((one.cell, one.line) != (cell, line) for one in earlier):
+        raise Problem(
+            403,
+            "not-allowed",
+            "you don't have permission: only the course staff can comment on a line that has no comment",
+        )
+    if len(earlier) >= comments.MOST:
+        raise Problem(
+            422,
+            "invalid-request",
+            f"the submission has {comments.MOST} comments already: the course staff must delete some first",
+        )
     cells = stored.submission.cells()
     if not 1 <= cell <= len(cells):
         raise Problem(

@@ -20,7 +20,7 @@ from service.formats.grade_row import total_percent
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages import notebook_text
+from service.pages import markdown
 from service.pages.course import cards, task
 from service.pages.course.audit_words import tell
 from service.pages.rejected_forms import post_form
@@ -101,8 +101,8 @@ async def show_help(request: Request, person: OptionalUser) -> Response:
 @router.get("/assignments/{slug}/notebook", response_class=HTMLResponse)
 async def read_notebook(request: Request, person: CurrentUser, assignment: Available) -> Response:
     """Show the students' notebook to read."""
-    blocks = await asyncio.to_thread(lambda: notebook_text.blocks(assignment.notebook()))
-    context = {"assignment": assignment, "blocks": blocks}
+    cells = await asyncio.to_thread(lambda: markdown.cells(assignment.notebook()))
+    context = {"assignment": assignment, "cells": cells}
     return templates.TemplateResponse(request, "notebook.html", context)
 
 

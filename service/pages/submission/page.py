@@ -28,7 +28,7 @@ from service.grading.figures import motion_data, rendering
 from service.http.errors import Problem
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages import notebook_text
+from service.pages import markdown
 from service.pages.submission import report_summary
 from service.pages.submission.source_view import SIGNS, Changed, ShownCell, TooLong, cells, difference, marks
 from service.store.course import comments, gradebook, overrides, regrade_requests
@@ -49,7 +49,7 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
     context = await asyncio.to_thread(_report_context, stored, commented) | {
         "stored": stored,
         "comments": commented,
-        "inline": notebook_text.inline,
+        "inline": markdown.inline,
         "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),

@@ -1,5 +1,5 @@
 """Feedback on a submission: regrade requests with their answers, the list of them, and the staff's comments
-on source lines.
+on source lines with the student's answers.
 """
 
 from typing import get_args
@@ -13,9 +13,10 @@ from service.api.submissions import Assigned, Submission
 from service.auth.forms import Form, field, required
 from service.auth.roles import CurrentUser, Staff
 from service.http.errors import Problem
+from service.http.requests import identifier
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages.notebook_text import inline
+from service.pages.markdown import inline
 from service.pages.regrades import check_labels
 from service.pages.rejected_forms import post_form
 from service.pages.submission import page
@@ -36,7 +37,9 @@ async def request_regrade(person: CurrentUser, form: Form, stored: Submission, d
 
 @router.get(LIST, response_class=HTMLResponse)
 async def list_requests(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
-    """Show the regrade requests about an assignment, each open one with the form of its answer."""
+    """Show the regrade requests about an assignment, each open one with the form of its answer, and what
+    students answered to comments.
+    """
     rows = await regrade_requests.of_assignment(database, assignment.slug)
     return templates.TemplateResponse(
         request,
@@ -44,6 +47,7 @@ async def list_requests(request: Request, person: Staff, assignment: Assigned, d
         {
             "assignment": assignment,
             "requests": rows,
+            "comment_answers": await comments.latest_answers(database, assignment.slug),
             "labels": check_labels(assignment),
             "inline": inline,
         },
@@ -76,6 +80,22 @@ async def write_comment(person: Staff, form: Form, stored: Submission, database:
     cell, line = _number(form, "cell"), _number(form, "line")
     await feedback.write_comment(
         database, person, stored, cell, line, required(form, "comment", comments.LONGEST)
+    )
+    return RedirectResponse(f"/submissions/{stored.id}#line-{cell}-{line}", 303)
+
+
+@post_form(router, "/submissions/{id}/comments/{comment}/answer", page=page.report, at=page.PATH)
+async def answer_comment(
+    person: CurrentUser, form: Form, stored: Submission, comment: str, database: Db
+) -> Response:
+    """Write an answer below a comment, and show it."""
+    found = await comments.of_submission(database, stored.id)
+    answered = next((one for one in found if one.id == identifier(comment)), None)
+    if answered is None:
+        raise Problem(404, "not-found", "the comment was deleted: reload the page")
+    cell, line = answered.cell, answered.line
+    await feedback.write_comment(
+        database, person, stored, cell, line, required(form, "answer", comments.LONGEST)
     )
     return RedirectResponse(f"/submissions/{stored.id}#line-{cell}-{line}", 303)
 

@@ -1,14 +1,18 @@
-"""Comments of the course staff on lines of a submission's source."""
+"""Comments of the course staff on lines of a submission's source, and the students' answers to them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from service.store.course import audit
 from service.store.database import Database
+from service.store.people.people import COURSE
 
 LONGEST = 2000
+MOST = 200  # of one submission
+LATEST = 50
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,13 @@ class Comment:
 async def of_submission(database: Database, submission: UUID) -> Sequence[Comment]:
     """Return the comments on a submission in the order of its lines."""
     return [Comment(**row._asdict()) for row in await database.rows(_ALL, {"submission": submission})]
+
+
+async def latest_answers(database: Database, slug: str) -> Sequence[Any]:
+    """Return the latest answers of students to comments about an assignment, newest first, with the
+    ``submission`` and the student's ``full_name``.
+    """
+    return await database.rows(_LATEST_ANSWERS, {"slug": slug, "course": COURSE, "most": LATEST})
 
 
 async def write(
@@ -56,6 +67,15 @@ _ALL = (
     f"SELECT {_COLUMNS} FROM source_comment WHERE submission_id = %(submission)s ORDER BY cell, line,"
     " written_at, id"
 )
+
+_LATEST_ANSWERS = """
+SELECT c.submission_id AS submission, c.cell, c.line, c.comment, c.author, c.written_at, p.full_name
+FROM source_comment c JOIN submission s ON s.id = c.submission_id
+    JOIN person p ON p.id = s.person_id AND p.name = c.author
+    JOIN assignment x ON x.id = s.assignment_id JOIN course ON course.id = x.course_id
+WHERE x.slug = %(slug)s AND course.slug = %(course)s
+ORDER BY c.written_at DESC, c.id LIMIT %(most)s
+"""
 
 _WRITE = f"""
 INSERT INTO source_comment (submission_id, cell, line, comment, author)

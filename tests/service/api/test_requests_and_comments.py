@@ -5,6 +5,7 @@ import uuid
 
 import pytest
 
+from service.store.course import comments
 from tests.support.database import entered, run, sql
 from tests.support.http_client import call
 from tests.support.submissions import hand_in
@@ -83,6 +84,23 @@ def test_comments_stand_beside_existing_lines(ask, submission, url):
     assert "comments" not in ask("ann", f"/v1/submissions/{submission}")[1]
     actions = sql(url, "SELECT actor, action FROM audit WHERE subject = %s ORDER BY id", str(submission))
     assert actions == [("tutor", "comment"), ("prof", "comment deleted")]
+
+
+def test_a_student_answers_where_the_staff_commented(ask, submission):
+    path = f"/v1/submissions/{submission}/comments"
+    assert ask("ann", path, {"line": 4, "comment": "mine"})[0] == 403
+    assert ask("tutor", path, {"line": 4, "comment": "which equation?"})[0] == 201
+    assert ask("ben", path, {"line": 4, "comment": "not mine"})[0] == 403
+    status, answer = ask("ann", path, {"line": 4, "comment": "Euler's"})
+    assert status == 201 and answer["author"] == "ann"
+    assert ask("ann", path, {"line": 3, "comment": "elsewhere"})[0] == 403
+    assert ask("ann", f"{path}/{answer['id']}", method="DELETE")[0] == 403
+
+
+def test_a_submission_has_a_greatest_number_of_comments(ask, submission, monkeypatch):
+    monkeypatch.setattr(comments, "MOST", 2)
+    path = f"/v1/submissions/{submission}/comments"
+    assert [ask("tutor", path, {"line": 4, "comment": "c"})[0] for _ in range(3)] == [201, 201, 422]
 
 
 def test_lines_of_a_notebook_are_counted_in_their_cell(ask, url):

@@ -1,4 +1,6 @@
-"""A student requests a regrade and the staff answers; the staff comments on lines of the source."""
+"""A student requests a regrade and the staff answers; the staff comments on lines of the source, and the
+student answers.
+"""
 
 import html
 import re
@@ -117,6 +119,20 @@ def test_a_comment_stands_at_its_line_until_it_is_deleted(browsers, page):
     assert tutor.send(action, page)[0] == 200 and "alert(1)" not in ann.open(page)[1]
 
 
+def test_a_student_answers_a_comment_and_the_staff_reads_it(browsers, page):
+    ann, tutor = browsers["ann"], browsers["tutor"]
+    shown = tutor.send(f"{page}/comments", page, cell="1", line="2", comment="which $\\omega$?")[1]
+    (action,) = re.findall(r'action="([^"]+/answer)"', shown)
+    status, shown = ann.send(action, page, answer=" ")
+    assert status == 422 and "enter the answer" in shown
+    status, shown = ann.send(action, page, answer="the **first** <script>")
+    assert status == 200 and ann.at == f"{page}#line-1-2"
+    answer = "the <strong>first</strong> &lt;script&gt;"
+    assert shown.count(answer) == 2, "beside its line, and in the list"
+    assert answer in tutor.open(LIST)[1] and f'"{page}#line-1-2"' in tutor.open(LIST)[1]
+    assert len(re.findall(r'action="([^"]+/answer)"', shown)) == 1, "one form below the comments on a line"
+
+
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -136,7 +152,7 @@ def test_comments_and_answers_have_markdown(browsers, page):
     tutor.send(f"{page}/comments", page, cell="1", line="1", comment="use `np.cross` <script>")
     ann.send(f"{page}/regrade-requests", page, reason="**right**")
     shown = tutor.open(page)[1]
-    assert shown.count("use <code>np.cross</code> &lt;script&gt;") == 2 and "<b>right</b>" in shown
+    assert shown.count("use <code>np.cross</code> &lt;script&gt;") == 2 and "<strong>right</strong>" in shown
 
 
 def test_a_commented_line_of_a_long_source_is_shown():

@@ -65,10 +65,13 @@ def uneven_times(intervals):
 def largest_correlation(numbers):
     """Return the largest correlation, of either sign, of two rows or of two columns of an array.
 
-    Sums over a few walkers do not show that one of many repeats or mirrors another: this does.
+    Sums over a few walkers do not show that one of many repeats or mirrors another: this does. A constant row
+    or column, which has no correlation, counts as repeated.
     """
-    correlations = [np.corrcoef(rows) for rows in (numbers, numbers.T)]
-    return np.max([np.abs(np.triu(one, 1)).max() for one in correlations])
+    with np.errstate(invalid="ignore"):
+        correlations = [np.corrcoef(rows) for rows in (numbers, numbers.T)]
+    largest = np.max([np.abs(np.triu(one, 1)).max() for one in correlations])
+    return 1.0 if np.isnan(largest) and np.isfinite(numbers).all() else largest
 
 
 apart = absolute(
@@ -100,11 +103,6 @@ def walk_with_a_bias(ask):
     steps.mistake(change="(rng.random((walkers, steps)) -> (rng.random((walkers, 1)) * np.ones(steps)")
     # not from the generator that is given
     steps.mistake(change="rng. -> np.random.default_rng().")
-    steps.mistake(
-        "wrong-index",
-        "one sequence of random numbers serves all walkers",
-        change="rng.random((walkers, steps)) -> rng.random(steps) * np.ones((walkers, 1))",
-    )
 
     sums = ask.estimate(
         "walk", sd=lambda p: sqrt(480 * p * (1 - p)), repetitions=1000, label="sums of places of walk"
@@ -142,6 +140,12 @@ def walk_with_a_bias(ask):
         dealt = rng.permutation((np.arange(count) + 0.5) / count).reshape(walkers, steps)
         step = np.where(dealt < p, 1, -1)
         return np.hstack([np.zeros((walkers, 1)), np.cumsum(step, axis=1)])
+
+    sums.mistake(
+        "wrong-index",
+        "one sequence of random numbers serves all walkers",
+        change="rng.random((walkers, steps)) -> rng.random(steps) * np.ones((walkers, 1))",
+    )
 
     pairs = ask.function("walk", label="walk: neither walkers nor steps repeat or mirror each other")
     pairs.case("80 walkers", public=1, hidden=2, p=between(0.45, 0.55), seed=any_seed)

@@ -37,7 +37,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 VARIANT_S = 0.5  # of CPU time for one variant of one scene; the right solution needs far less
-EXPRESSION_S = 3.0  # a variant that returns expressions, whose values to 30 digits take half a second
+LONG_S = 3.0  # for a declared mistake, of which there are few, and for expressions, whose digits take time
 LIMITS = TimeLimits(cpu_s=30.0, wall_s=60.0)  # of all variants that one grading plays
 FEW_ROWS = 8  # that tell most variants from the cause: playing them first takes a third of the time
 NEARLY = 1e-2  # relative distance on few rows, far above the tolerance of values that are compared
@@ -80,7 +80,8 @@ def diagnose_question(
 
     def play_versions(of: PlayedJob, scene: Scene, versions: Sequence[Variant]) -> dict[Variant, Arrays]:
         assert scene.question is not None
-        each_s = EXPRESSION_S if scene.question["kind"] == "expression" else VARIANT_S
+        is_long = scene.question["kind"] == "expression" or all(one.declared for one in versions[1:])
+        each_s = LONG_S if is_long else VARIANT_S
         found = play_variants(of.job, scene.name, versions, sandbox, budget, budget_s=each_s)
         if budget.exceeded():
             raise _NotKnown

@@ -1,5 +1,7 @@
 """People: the list, a person's page, and the search."""
 
+from collections import Counter
+from math import ceil
 from typing import Annotated
 from urllib.parse import quote
 
@@ -24,15 +26,26 @@ from service.store.submissions.records import recent
 
 router = APIRouter()
 PersonName = Annotated[str, Query(max_length=people.LONGEST_NAME)]
-MOST_SUBMISSIONS, MOST_FOUND = 500, 50
+MOST_PEOPLE, MOST_SUBMISSIONS, MOST_FOUND = 1000, 500, 50
 
 
 @router.get("/people", response_class=HTMLResponse)
 async def show_people(
-    request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
+    request: Request,
+    person: Staff,
+    database: Db,
+    entered: Annotated[int | None, Query(ge=0)] = None,
+    page: Annotated[int, Query(ge=1, le=10**6)] = 1,
 ) -> Response:
-    """Show all people of the course, and to instructors the roster import."""
-    context = {"rows": await people.everybody(database), "imported": entered}
+    """Show the people of the course, so many a page, and to instructors the roster import."""
+    everybody = await people.everybody(database)
+    context = {
+        "rows": everybody[(page - 1) * MOST_PEOPLE : page * MOST_PEOPLE],
+        "roles": Counter(one.role for one in everybody),
+        "page": page,
+        "pages": max(1, ceil(len(everybody) / MOST_PEOPLE)),
+        "imported": entered,
+    }
     return templates.TemplateResponse(request, "people.html", context)
 
 

@@ -5,6 +5,7 @@ from html import unescape
 
 import pytest
 
+from service.pages.people import listing
 from service.store.course import deadlines, overrides
 from service.store.people import people
 from tests.support.database import new_database, run, sql
@@ -99,6 +100,15 @@ def test_every_name_has_a_page_that_the_list_links(looks):
         assert looks("helper", link)[0] == 200, link
     assert looks("helper", "/person?name=nobody")[0] == looks("helper", "/person?name=%00")[0] == 404
     assert looks("ben", "/person?name=ben")[0] == looks("ben", "/search?q=ben")[0] == 403
+
+
+def test_a_long_list_has_pages(looks, monkeypatch):
+    monkeypatch.setattr(listing, "MOST_PEOPLE", 4)
+    pages = [looks("helper", f"/people?page={k}")[1] for k in (1, 2, 3)]
+    shown = [len(re.findall(r'href="/person\?name=', page)) for page in pages]
+    assert shown == [4, 2, 0] and "No people on page 3: the last one is 2" in pages[2]
+    assert all("6 people: " in page and 'href="/people?page=2"' in page for page in pages)
+    assert looks("helper", "/people?page=0")[0] == 422
 
 
 def test_the_search_finds_people_submissions_and_assignments(looks, url):

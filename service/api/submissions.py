@@ -13,7 +13,7 @@ from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from exercises.authoring.assignments import packages
-from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.authoring.assignments.assignment import Assignment, NoAssignment
 from exercises.authoring.assignments.catalogue import assignments, find
 from exercises.authoring.importing.lines import is_self_reported
 from polhode.client import build as kit
@@ -51,19 +51,11 @@ Key = Annotated[
 
 
 async def find_assignment(slug: str) -> Assignment:
-    """Return the assignment.
-
-    Raises Problem 404 if it does not exist, and 503 if its declaration is invalid.
+    """Return the assignment. Raises Problem 404 if it does not exist, and InvalidAssignment, which is
+    answered with 503, if its declaration is invalid.
     """
     try:
         return find(slug)
-    except InvalidAssignment:
-        raise Problem(
-            503,
-            "assignment-broken",
-            f"the assignment {slug} is broken (our error): contact the course staff",
-            retry_after=60,
-        ) from None
     except NoAssignment:
         raise Problem(404, "not-found", _no_assignment(slug)) from None
 

@@ -12,6 +12,7 @@ from fastapi.responses import JSONResponse, Response
 from procrastinate.exceptions import ConnectorException
 from starlette.exceptions import HTTPException
 
+from exercises.authoring.assignments.assignment import InvalidAssignment
 from service.http.templating import templates
 from service.store.database import DatabaseLost, is_loss, is_outage
 
@@ -92,6 +93,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
+    app.add_exception_handler(InvalidAssignment, _broken_assignment)
     logged: dict[str, float] = {}
     for outage in (psycopg.Error, ConnectorException, DatabaseLost):
         app.add_exception_handler(outage, partial(_outage, logged))
@@ -159,6 +161,12 @@ async def _validation(request: Request, error: Exception) -> Response:
     return _respond(
         request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors
     )
+
+
+async def _broken_assignment(request: Request, error: Exception) -> Response:
+    assert isinstance(error, InvalidAssignment)
+    detail = f"the assignment {error.slug} is broken (our error): contact the course staff"
+    return _respond(request, Problem(503, "assignment-broken", detail, retry_after=60))
 
 
 async def _outage(logged: dict[str, float], request: Request, error: Exception) -> Response:

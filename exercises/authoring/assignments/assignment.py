@@ -19,11 +19,11 @@ Inputs = Mapping[str, Any]
 
 
 class InvalidAssignment(Exception):
-    """The declaration of an assignment is invalid; ``errors`` lists all of its errors."""
+    """The declaration of the assignment ``slug`` is invalid; ``errors`` lists all of its errors."""
 
     def __init__(self, slug: str, errors: list[str]) -> None:
         super().__init__(f"assignment {slug}: " + "; ".join(errors))
-        self.errors = errors
+        self.slug, self.errors = slug, errors
 
 
 class NoAssignment(LookupError):

@@ -166,7 +166,9 @@ def find(slug: str) -> Assignment:
     """
     slug = slug.replace("_", "-")
     for folder in selected():
-        if slug_of(folder) == slug and isinstance(found := _load(folder), Assignment):
+        if slug_of(folder) == slug:
+            if isinstance(found := _load(folder), InvalidAssignment):
+                raise found
             return found
     valid, invalid = load_catalogue()
     if slug in invalid:

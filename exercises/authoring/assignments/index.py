@@ -71,8 +71,8 @@ def read_index(folder: Path, more: Collection[str]) -> dict[str, Any] | None:
 
 
 def _digest(folder: Path, more: Collection[str]) -> str:
-    """Return a digest of the files that an assignment is loaded from."""
+    """Return a digest of the files of an assignment: code, notebook and data."""
     digest = hashlib.sha256(json.dumps(sorted(more)).encode())
-    for path in sorted([*folder.glob("*.py"), *folder.glob("*.ipynb")]):
+    for path in sorted(one for one in folder.iterdir() if one.is_file() and one.name != INDEX):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()

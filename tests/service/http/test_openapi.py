@@ -19,6 +19,7 @@ SLUG, OWN = "/v1/assignments/rigid-body", "/v1/submissions/{id}"
 SUBMIT = ("POST", "/v1/assignments/{slug}/submissions", f"{SLUG}/submissions")
 REQUESTED, ANSWER = "/v1/assignments/{slug}/regrade-requests", "/v1/regrade-requests/{request}/answer"
 COMMENT, ONE_COMMENT = b'{"line": 1, "comment": "c"}', f"{OWN}/comments/{{comment}}"
+NO_ANSWER = b'{"line": 2, "comment": "c"}'  # on a line without a comment
 STAFF = {"Authorization": "staff"}
 SOURCE = b'{"source": "x = 1"}'
 ARTEFACTS = ("figures/omega.png", "figures/omega.svg", "sweep.json", "sweep.svg", "animations/spin.png")
@@ -98,7 +99,7 @@ OTHER = [
         b'{"status": "declined", "answer": "a"}',
         STAFF,
     ),
-    ("POST", f"{OWN}/comments", f"{OWN}/comments", 403, COMMENT, {}),
+    ("POST", f"{OWN}/comments", f"{OWN}/comments", 403, NO_ANSWER, {}),
     ("POST", f"{OWN}/comments", f"{OWN}/comments", 201, COMMENT, STAFF),
     ("DELETE", ONE_COMMENT, f"{OWN}/comments/{{comment}}", 204, None, STAFF),
     ("DELETE", ONE_COMMENT, f"{OWN}/comments/{{comment}}", 404, None, STAFF),

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from exercises.authoring.assignments import catalogue
+from exercises.authoring.assignments.assignment import InvalidAssignment
 from exercises.authoring.assignments.index import INDEX, IndexedAssignment
 from service.cli.__main__ import main
 from tests.support.assignments import change, known
@@ -61,3 +62,20 @@ def test_an_error_in_the_file_is_seen_at_once(folder):
     change(folder / "assignment.py", "notebook = Notebook(", "notebook = Notebok(")
     with known(folder) as found:
         assert "small-sums" in found.invalid and index["title"] == "9.9 Small sums"
+
+
+def test_another_data_file_makes_the_index_invalid(folder):
+    (folder / "track.csv").write_text("1,2\n")
+    with known(folder) as found:
+        assert not isinstance(found.valid["small-sums"], IndexedAssignment)
+
+
+def test_one_that_no_longer_loads_is_invalid(folder, monkeypatch):
+    """As after the update of a package that it imports: its files, and so its index, are unchanged."""
+    monkeypatch.setattr(catalogue, "load", lambda folder: (None, ["it needs another package"]))
+    with known(folder) as found:
+        one = found.valid["small-sums"]
+        with pytest.raises(InvalidAssignment, match="small-sums: it needs another package"):
+            catalogue.find("small-sums")
+        with pytest.raises(InvalidAssignment):
+            list(one.exercises)

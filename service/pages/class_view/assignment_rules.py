@@ -15,8 +15,9 @@ from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.pages import form_times
 from service.pages.class_view import class_pages
+from service.pages.people import extensions
 from service.pages.rejected_forms import post_form
-from service.store.course import assignment_settings, deadlines, gradebook
+from service.store.course import assignment_settings, gradebook
 from service.store.submissions import speed_vs_accuracy
 
 router = APIRouter()
@@ -72,27 +73,11 @@ async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, 
 @post_form(router, "/assignments/{slug}/extensions", page=class_pages.show_settings, at=class_pages.SETTINGS)
 async def extend(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Give one person a new deadline with a reason. An empty deadline removes the extension."""
-    slug, due, reason = assignment.slug, form_times.moment(form, "due"), forms.field(form, "reason")
+    slug = assignment.slug
     name = await _login_name(database, slug, forms.field(form, "name"))
-    if due is None:
-        if not await deadlines.remove_extension(database, slug, name, person.name):
-            raise Problem(
-                422,
-                "invalid-request",
-                f"{name or 'this person'} has no extension to remove: check the name",
-                "/name",
-            )
-        return RedirectResponse(
-            f"/assignments/{slug}/class/settings?removed={quote(name, safe='')}#extensions", 303
-        )
-    if not reason:
-        raise Problem(422, "invalid-request", "an extension needs a reason: enter one", "/reason")
-    form_times.refuse_past(due)
-    if not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
-        raise Problem(
-            422, "invalid-request", f"no person named {name!r} in the course: check the name", "/name"
-        )
-    return RedirectResponse(f"/assignments/{slug}/class/settings#extensions", 303)
+    has_one = await extensions.save_of_person(database, form, slug, name, person.name)
+    removed = "" if has_one else f"?removed={quote(name, safe='')}"
+    return RedirectResponse(f"/assignments/{slug}/class/settings{removed}#extensions", 303)
 
 
 async def _login_name(database: Db, slug: str, name: str) -> str:

@@ -14,10 +14,11 @@ from service.http.errors import Problem
 from service.http.requests import PublicAddress
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages import account, form_times
+from service.pages import account
+from service.pages.people import extensions
 from service.pages.people.listing import PersonName, find_person, page_of, show_person
 from service.pages.rejected_forms import post_form
-from service.store.course import audit, deadlines
+from service.store.course import audit
 from service.store.database import Connection
 from service.store.people import credentials, editing, people, tokens
 
@@ -121,17 +122,10 @@ async def give_password(
 async def extend(person: Instructor, form: forms.Form, database: Db, name: PersonName) -> Response:
     """Give a person a later deadline of an assignment. An empty deadline removes the extension."""
     await find_person(database, name)
-    slug, due = forms.field(form, "assignment"), form_times.moment(form, "due")
+    slug = forms.field(form, "assignment")
     if slug not in assignments():
         raise Problem(422, "invalid-request", "choose an assignment", "/assignment")
-    if due is None:
-        if not await deadlines.remove_extension(database, slug, name, person.name):
-            detail = "there is no extension of this assignment to remove: enter a deadline to give one"
-            raise Problem(422, "invalid-request", detail, "/due")
-    else:
-        form_times.refuse_past(due)
-        reason = forms.required(form, "reason")
-        await deadlines.extend(database, slug, name, due, reason=reason, by=person.name)
+    await extensions.save_of_person(database, form, slug, name, person.name)
     return RedirectResponse(f"{page_of(name)}#assignments", 303)
 
 

@@ -1,4 +1,4 @@
-"""Extensions for many: of some students or all, for some assignments or all."""
+"""Extensions: for many, of some students or all for some assignments or all, and of one person."""
 
 from collections.abc import Sequence
 from datetime import timedelta
@@ -73,6 +73,26 @@ async def change(person: Instructor, form: forms.Form, database: Db) -> Response
         by=person.name,
     )
     return RedirectResponse(f"/extensions?given={count}", 303)
+
+
+async def save_of_person(database: Db, form: FormData, slug: str, name: str, by: str) -> bool:
+    """Give a person the deadline of a form, with its reason, or with an empty one remove the extension.
+    Return whether the person has an extension now.
+
+    Raises Problem 422 for a past deadline, without a reason, for a person who is not in the course, and if
+    there is no extension to remove.
+    """
+    due = form_times.moment(form, "due")
+    if due is None:
+        if not await deadlines.remove_extension(database, slug, name, by):
+            detail = f"{name or 'this person'} has no extension to remove: enter a deadline to give one"
+            raise Problem(422, "invalid-request", detail, "/due")
+        return False
+    form_times.refuse_past(due)
+    if not await deadlines.extend(database, slug, name, due, reason=forms.required(form, "reason"), by=by):
+        detail = f"no person named {name!r} in the course: check the name"
+        raise Problem(422, "invalid-request", detail, "/name")
+    return True
 
 
 async def _students(database: Db) -> list[Row]:

@@ -30,6 +30,7 @@ from service.grading.graded_file import GradedFile
 from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
+from service.http.requests import identifier
 from service.http.state import Config, Db, Held
 from service.http.templating import ZONE
 from service.store.course import assignment_settings, comments, overrides, regrade_requests
@@ -69,7 +70,7 @@ async def _submission(id: str, person: Reader, database: Db) -> SubmissionRecord
 
     Raises Problem 404 if it does not exist, and 403 if another student sent it.
     """
-    stored = await records.read(database, parsed) if (parsed := _uuid(id)) else None
+    stored = await records.read(database, identifier(id))
     if stored is None:
         raise Problem(404, "not-found", f"no submission {id[:80]}: check the address")
     if stored.person != person.name and person.role not in STAFF:
@@ -352,13 +353,6 @@ async def show_submission(stored: Submission, database: Db) -> answers.Submissio
     }
     more: dict[str, Any] = {"points": stored.points, "overrides": listed} if listed else {}
     return _document(stored, **more, **{name: rows for name, rows in feedback.items() if rows})
-
-
-def _uuid(text: str) -> uuid.UUID | None:
-    try:
-        return uuid.UUID(text)
-    except ValueError:
-        return None
 
 
 def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:

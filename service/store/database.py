@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequenc
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any, Self, TypeAlias, TypeVar
-from uuid import UUID
 
 import psycopg
 from procrastinate.exceptions import ConnectorException
@@ -124,7 +123,6 @@ class Database(Queries):
         find_loss: Callable[[], str | None] = lambda: None,
     ) -> None:
         self.url, self._find_loss = url, find_loss
-        self.persons: dict[str, UUID] = {}  # ids of stored people, by name
         self._pool = AsyncConnectionPool(
             url,
             kwargs={"autocommit": True, "row_factory": namedtuple_row, **connect_options(name)},

@@ -6,6 +6,7 @@ import asyncio
 
 from fastapi import APIRouter, Request, Response
 
+from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.publishing import public_side, wheel
 from polhode.client import build
 from service.api.submissions import Available
@@ -56,7 +57,11 @@ async def public(assignment: Available, request: Request) -> Response:
 )
 async def notebook(assignment: Available, server: PublicAddress) -> Response:
     """Return the assignment's notebook, ready to run against this server."""
-    slug = assignment.slug
-    content = wheel.notebook(assignment, server, f"{server}/kit/{build.WHEEL}")
-    headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
-    return Response(content, media_type=NOTEBOOK, headers=headers)
+    named = f'attachment; filename="{assignment.slug}.ipynb"'
+    headers = {"Content-Disposition": named, "Cache-Control": "no-cache"}
+    return Response(notebook_for(assignment, server), media_type=NOTEBOOK, headers=headers)
+
+
+def notebook_for(assignment: Assignment, server: str) -> bytes:
+    """Return the notebook with the address of the ``server`` and what code on it can import."""
+    return wheel.notebook(assignment, server, f"{server}/kit/{build.WHEEL}")

@@ -31,7 +31,7 @@ class ShownCell:
     is_code: bool
 
 
-def cells(notebook: str) -> list[ShownCell]:
+def cells(notebook: str | bytes) -> list[ShownCell]:
     """Return the cells of text and code of a notebook, JSON text. A heading of level 1 becomes an ``h2``."""
     found = []
     for cell in json.loads(notebook)["cells"]:
@@ -105,4 +105,6 @@ def formula(tex: str, *, is_block: bool) -> str:
         element.text = html.unescape(element.text or "")  # ∂ is "&#x02202;"
         for name in NEVER_SHOWN:
             element.attrib.pop(name, None)
+    if is_block:
+        root.set("tabindex", "0")  # who uses the keyboard can scroll a wide one
     return ElementTree.tostring(root, encoding="unicode")

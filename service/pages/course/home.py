@@ -10,6 +10,7 @@ from starlette.routing import Match
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.index import line_counts
 from service.api.health import WorkerStatus
+from service.api.kit import notebook_for
 from service.api.past_submissions import list_own
 from service.api.release import visible_row
 from service.api.submissions import Available, Stored
@@ -18,6 +19,7 @@ from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser, OptionalUser, Staff
 from service.formats.grade_row import total_percent
 from service.http.errors import Problem
+from service.http.requests import PublicAddress
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import markdown
@@ -101,9 +103,11 @@ async def show_help(request: Request, person: OptionalUser) -> Response:
 
 
 @router.get("/assignments/{slug}/notebook", response_class=HTMLResponse)
-async def read_notebook(request: Request, person: CurrentUser, assignment: Available) -> Response:
+async def read_notebook(
+    request: Request, person: CurrentUser, assignment: Available, server: PublicAddress
+) -> Response:
     """Show the students' notebook to read."""
-    cells = await asyncio.to_thread(lambda: markdown.cells(assignment.notebook()))
+    cells = await asyncio.to_thread(lambda: markdown.cells(notebook_for(assignment, server)))
     context = {"assignment": assignment, "cells": cells}
     return templates.TemplateResponse(request, "notebook.html", context)
 

@@ -10,6 +10,8 @@ from latex2mathml import commands
 from exercises.authoring.assignments.catalogue import assignments
 from service.pages import markdown
 from service.pages.markdown import ShownCell, formula, inline
+from tests.support.database import entered
+from tests.support.http_client import Browser
 
 OMEGA = "<mi>ω</mi>"
 
@@ -42,6 +44,12 @@ def test_cells_are_text_and_code():
 def test_a_displayed_formula(text):
     (shown,) = read(cell("markdown", text))
     assert OMEGA in shown.text and 'display="block"' in shown.text and "$" not in shown.text
+
+
+def test_a_notebook_on_its_page_has_the_addresses_of_the_server(server, url):
+    browser = Browser(server).log_in(token=entered(url, "ann"))
+    status, shown = browser.open("/assignments/rigid-body/notebook")
+    assert status == 200 and "{{" not in shown and f"{server.url}/kit/" in shown
 
 
 def test_markup_stays_text():

@@ -24,22 +24,22 @@ NEVER_SHOWN = ("href", "style", "class")  # attributes that TeX could give to an
 
 
 @dataclass(frozen=True)
-class ShownCell:
+class NotebookCell:
     """A cell of a notebook: its text as HTML, or, with ``is_code``, its source."""
 
     text: Markup | str
     is_code: bool
 
 
-def cells(notebook: str | bytes) -> list[ShownCell]:
+def cells(notebook: str | bytes) -> list[NotebookCell]:
     """Return the cells of text and code of a notebook, JSON text. A heading of level 1 becomes an ``h2``."""
     found = []
     for cell in json.loads(notebook)["cells"]:
         source = "".join(cell["source"]).strip("\n")
         if cell["cell_type"] == "code":
-            found.append(ShownCell(source, is_code=True))
+            found.append(NotebookCell(source, is_code=True))
         elif cell["cell_type"] == "markdown":
-            found.append(ShownCell(_as_html(source), is_code=False))
+            found.append(NotebookCell(_as_html(source), is_code=False))
     return [cell for cell in found if cell.text]
 
 

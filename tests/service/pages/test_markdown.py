@@ -9,7 +9,7 @@ from latex2mathml import commands
 
 from exercises.authoring.assignments.catalogue import assignments
 from service.pages import markdown
-from service.pages.markdown import ShownCell, formula, inline
+from service.pages.markdown import NotebookCell, formula, inline
 from tests.support.database import entered
 from tests.support.http_client import Browser
 
@@ -27,7 +27,7 @@ def read(*cells):
 def test_cells_are_text_and_code():
     text = "# Title\n\nSome `code`, **bold** and *italic*: $\\omega$.\n- one\n## Part\nmore"
     shown, code = read(cell("markdown", text), cell("code", ["x = 1\n", "y < 2"]), cell("raw", "no"))
-    assert code == ShownCell("x = 1\ny < 2", is_code=True)
+    assert code == NotebookCell("x = 1\ny < 2", is_code=True)
     assert not shown.is_code and OMEGA in shown.text
     for part in (
         "<h2>Title</h2>",

@@ -147,6 +147,7 @@ def _run_course(podman: Podman) -> None:
     course = Course(podman, ROOT / "docker-compose.yml", IMAGE, postgres)
     course.up()
     token = course.enter_people()
+    course.publish()
     course.grade(SOME * 3, token)
     shares = dict(line.split("|") for line in course.query(BY_WORKER).split())
     _expect(len(shares) == 2, f"{len(SOME) * 3} submissions with a token, graded by two workers: {shares}")

@@ -40,6 +40,10 @@ class Course:
         told = self.podman("exec", "-i", self._container("server")[0], "sh", "-c", ENTER, sent=PEOPLE)
         return dict(line.split(",") for line in told.split())["ada"]
 
+    def publish(self) -> None:
+        """Let students see and submit the assignment of the samples."""
+        self.podman("exec", self._container("server")[0], "polhode", "assign", "rigid-body", "--publish")
+
     def grade(self, some: Sequence[Sample], token: str) -> None:
         """Send them all, then wait for the reports they should get."""
         sent = [(submit(self.address, one, token), one) for one in some]

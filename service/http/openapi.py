@@ -69,7 +69,9 @@ def also(status: int, description: str, model: type[BaseModel]) -> Responses:
 
 
 def install(app: FastAPI) -> None:
-    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it."""
+    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it, and in which
+    a route that never answers with 401 needs no token.
+    """
 
     def document() -> dict[str, Any]:
         if not app.openapi_schema:
@@ -77,6 +79,8 @@ def install(app: FastAPI) -> None:
             for operation in (o for path in made["paths"].values() for o in path.values()):
                 if PROBLEM_TYPE not in operation["responses"].get("422", {}).get("content", {}):
                     operation["responses"].pop("422", None)
+                if "security" in operation and "401" not in operation["responses"]:
+                    operation["security"].append({})
             schemas = made.setdefault("components", {}).setdefault("schemas", {})
             for unused in ("HTTPValidationError", "ValidationError"):
                 schemas.pop(unused, None)

@@ -12,6 +12,8 @@ from schemathesis import GenerationMode
 from schemathesis.checks import CHECKS, load_all_checks
 
 from polhode.client.build import WHEEL
+from polhode.judging.outcome import SweepResult
+from polhode.report.dataclass_json import document
 from polhode.report.report import Picture
 from service.store.queue.workers import register_worker
 from service.store.submissions.artefacts import store_artefacts
@@ -21,14 +23,15 @@ from tests.support.http_client import call
 from tests.support.submissions import graded
 
 load_all_checks()
-SWEEP = b'{"scene": "free", "points": [], "line": "no points"}'
+SWEEP = json.dumps(document(SweepResult("free", [], "no points"))).encode()
 EXAMPLES = 30  # of each operation, for each role
 # Refuse bodies of a valid form by their content: the source, the code of a login, a line that the source does
-# not have.
+# not have, a check that the report does not have.
 REFUSES = {
     "POST /v1/assignments/{slug}/submissions",
     "POST /v1/logins/token",
     "POST /v1/submissions/{id}/comments",
+    "POST /v1/submissions/{id}/regrade-requests",
 }
 ARTEFACTS = ("figures/omega.png", "figures/omega.svg", "sweep.json", "sweep.svg", "animations/spin.png")
 

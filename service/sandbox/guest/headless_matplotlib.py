@@ -10,6 +10,7 @@ from typing import Any
 
 import matplotlib
 from matplotlib import backend_bases, pyplot
+from matplotlib._pylab_helpers import Gcf
 from matplotlib.backend_bases import FigureCanvasBase, FigureManagerBase, NavigationToolbar2
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.registry import backend_registry
@@ -33,6 +34,14 @@ class Manager(FigureManagerBase):
     _toolbar2_class = Toolbar
     window = frame = NOTHING
 
+    @classmethod
+    def pyplot_show(cls, *, block: bool | None = None) -> None:
+        """Close all figures: Jupyter does after it has shown them, and a person would. ``plt.pause`` shows
+        them without waiting for that.
+        """
+        if block is not False:
+            close_figures()
+
     def show(self) -> None:
         """Do nothing."""
 
@@ -54,8 +63,14 @@ BACKEND.FigureCanvas, BACKEND.FigureManager = Canvas, Manager  # type: ignore[at
 _load_file_backend: Callable[[str], types.ModuleType] = backend_registry.load_backend_module
 _print_figure = FigureCanvasBase.print_figure
 _parse = MathTextParser.parse
+_open_figures = Gcf.figs
 _set_usetex = Text.set_usetex
 _said: list[str] = []
+
+
+def close_figures() -> None:
+    """Let pyplot draw on none of the figures any more. They keep their canvases, on which code can draw."""
+    _open_figures.clear()
 
 
 def install() -> None:

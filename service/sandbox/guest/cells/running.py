@@ -86,6 +86,9 @@ class Cells:
             began = process_time()
             for piece in pieces(source):
                 self._run(piece, name, recorder, published=published)
+            if self._job["notebook"] and not unused_libraries.lacks("matplotlib"):
+                # as Jupyter does, so that pyplot begins a new figure in the next cell
+                sys.modules["guest.headless_matplotlib"].close_figures()
             if several:
                 peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
                 self.costs.append((name, process_time() - began, peak_mb))

@@ -19,6 +19,7 @@ CALLED = """
 def called(student, inputs):
     return {"x": np.array([float(student["x"]())])}
 """
+PLT = "import matplotlib.pyplot as plt"
 READ = SceneRequest("read", "read", "x", {}, {"x": ArraySpec((1,))}, 5.0, None)
 
 
@@ -53,6 +54,10 @@ def value(played):
         ["%pip install --quiet pandas\n%conda install x\nx = 1"],
         ["5 - 4", "x = _"],
         ["'in'; 1", "x = Out[1]", "assert In[1].startswith(\"'in'\")\nx = 1"],
+        [f"{PLT}\nplt.axes(projection='3d')", "plt.fill_between([0, 1], [0, 1])\nx = 1"],
+        [f"{PLT}\nplt.figure()\nplt.show()\nx = 1 + len(plt.get_fignums())"],
+        [f"{PLT}\nfig, ax = plt.subplots()", "ax.plot([0, 1])\nfig.canvas.draw()\nx = 1"],
+        [f"{PLT}\nplt.Axes = 0\nfrom matplotlib._pylab_helpers import Gcf\nGcf.figs = None", "x = 1"],
         ["from __future__ import annotations", "def f(y: Missing) -> Absent:\n    return 1\nx = f(0)"],
         ["import asyncio\nasync def one():\n    await asyncio.sleep(0.001)\n    return 1", "x = await one()"],
         ["async def count():\n    for k in (0, 1):\n        yield k\nasync for x in count():\n    pass"],
@@ -84,6 +89,11 @@ def test_an_escape_says_in_one_line_that_there_is_no_shell(escape, sandbox):
     played = sandbox.play(notebook(escape, "x = 1"))
     (line,) = [line for line in played.stdout.splitlines() if "shell" in line]
     assert line.startswith("the grader has no shell: `") and not played.cells and value(played) == 1
+
+
+def test_a_file_keeps_its_figures_until_it_shows_them(sandbox):
+    shows = "open = len(plt.get_fignums())\nplt.show()\nx = open - len(plt.get_fignums())"
+    assert value(sandbox.play(script(f"{PLT}\nplt.figure()\n\n# %%\n{shows}"))) == 1
 
 
 @pytest.mark.parametrize(

@@ -44,9 +44,10 @@ SHOWN = "value shown: {expected} stands in the notebook; accept=True lets the li
 COPIED = SHOWN + ", also with {got} = {expected}"
 LONGEST = 40  # characters of an argument in a comment
 MOST_NUMBERS = 16  # of a truth that is written out
-CELL_S, GRADING_S = 60.0, 600.0  # where only students' cells take time: those of a course take up to a minute
 FACTOR = 5  # of what the author's cells take
 USUAL_MB, STEP_MB = 512, 256
+# where only students' cells take time and memory: those of a course take up to a minute and a gigabyte
+CELL_S, GRADING_S, CELLS_MB = 60.0, 600.0, 2048
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,12 @@ class Findings:
 
     def budgets(self) -> dict[str, float]:
         """Return the assignment's ``load_s``, ``cpu_s``, and ``memory_mb`` if it needs more than usual."""
-        least = (10.0, 60.0) if self.has_solutions else (CELL_S, GRADING_S)
+        least = (10.0, 60.0, USUAL_MB) if self.has_solutions else (CELL_S, GRADING_S, CELLS_MB)
         found = {
             "load_s": max(least[0], float(np.ceil(FACTOR * self.cell_s))),
             "cpu_s": max(least[1], float(np.ceil(FACTOR * self.cpu_s))),
         }
-        needed = STEP_MB * int(np.ceil(2 * self.peak_mb / STEP_MB))
+        needed = max(least[2], STEP_MB * int(np.ceil(2 * self.peak_mb / STEP_MB)))
         return found | ({"memory_mb": needed} if needed > USUAL_MB else {})
 
 

@@ -16,7 +16,7 @@ def sums(tmp_path):
 def test_without_a_dry_run_every_line_is_self_reported(sums):
     text = assignment_file(sums, Findings())
     assert text.count("# self-reported") == 5 and "truth=" not in text.replace("truth=…", "")
-    assert "load_s=60" in text and "cpu_s=600" in text and "memory_mb" not in text
+    assert "load_s=60" in text and "cpu_s=600" in text and "memory_mb=2048," in text
 
 
 def test_what_a_dry_run_found_stands_in_the_lines(sums):
@@ -40,4 +40,8 @@ def test_budgets_are_five_times_what_the_authors_cells_take_and_memory_twice():
     found = Findings(cell_s=30.0, cpu_s=90.0, peak_mb=700.0, has_solutions=True).budgets()
     assert found == {"load_s": 150.0, "cpu_s": 450.0, "memory_mb": 1536}
     assert Findings(has_solutions=True).budgets() == {"load_s": 10.0, "cpu_s": 60.0}
-    assert Findings(cell_s=1.0, cpu_s=2.0, peak_mb=120.0).budgets() == {"load_s": 60.0, "cpu_s": 600.0}
+    assert Findings(cell_s=1.0, cpu_s=2.0, peak_mb=120.0).budgets() == {
+        "load_s": 60.0,
+        "cpu_s": 600.0,
+        "memory_mb": 2048,
+    }

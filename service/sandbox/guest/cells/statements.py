@@ -43,15 +43,20 @@ class Statements:
         """Yield each statement of a cell that is to run, as an attempt.
 
         After one that fails, the others are not run, except for imports and definitions of names that the
-        submission has not bound yet: an old draft must not replace a right function.
+        submission has not bound yet: an old draft must not replace a right function. If one fails after
+        another was left out, that is the cause: it would have filled a list, for example.
         """
         failure: BaseException | None = None
+        left_out: Cause | None = None
         for number, node in enumerate(nodes):
             place = Place(self.cell, node.lineno, node.col_offset)
             if place in self._left_out:
+                left_out = left_out or self._left_out[place]
                 self._missing(node, self._left_out[place])
                 continue
-            cause = self.only_definitions or (None if failure is None else self._cause_of(failure))
+            cause = self.only_definitions or (
+                None if failure is None else left_out or self._cause_of(failure)
+            )
             if cause is not None and not self._is_new_definition(node):
                 self._missing(node, cause)
                 continue
@@ -65,7 +70,7 @@ class Statements:
                 if not attempt.last:
                     self.exits.append(place)
             elif attempt.error is not None:
-                self._missing(node, self._cause_of(attempt.error))
+                self._missing(node, left_out or self._cause_of(attempt.error))
                 if not self.goes_on(attempt.error):
                     failure = failure or attempt.error
         if failure is not None:

@@ -198,6 +198,13 @@ def test_what_an_ended_statement_was_to_bind_is_missing(sandbox):
     assert played.cells["cell 2"].sentence == f"`y` is missing because {cause}"
 
 
+def test_what_fails_because_a_statement_was_left_out_names_that_cause(sandbox):
+    fills = "import os\nfound = []\nfor k in range(3):\n    found.append(os._exit(k))"
+    played = sandbox.play(notebook(f"{fills}\nlargest = max(found)\nx = 2 * largest"))
+    told = played.scene_ends["read"].sentence
+    assert told == "x is not defined because cell 1 stopped: your code ended the Python process"
+
+
 def test_three_statements_are_left_out_and_no_fourth(sandbox):
     three = ["import os", *["os._exit(0)"] * 3, "x = 1"]
     assert value(sandbox.play(notebook(*three))) == 1

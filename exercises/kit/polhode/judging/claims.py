@@ -116,9 +116,11 @@ def _together(kind: str, one: Judgement, other: Judgement) -> Judgement:
 
 
 def one_line(value: Any, most: int) -> str:
-    """Return ``value`` as text without line breaks, at most ``most`` characters long."""
+    """Return ``value`` as text without line breaks, at most ``most`` characters long. Blanks inside a line
+    stay.
+    """
     try:
-        return " ".join(str(value).split())[:most]
+        return " ".join(line.strip() for line in str(value).splitlines())[:most]
     except Exception:
         return type(value).__name__
 

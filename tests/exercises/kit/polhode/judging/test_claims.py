@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polhode.judging.claims import Claim
+from polhode.judging.claims import Claim, one_line
 from polhode.judging.judge import Verdict
 
 INF, NAN = float("inf"), float("nan")
@@ -93,3 +93,16 @@ def test_what_is_not_judged_counts_as_the_package_says(said):
     assert claim.outcome("cell 1").line == f"{'✓' if said else '✗'}  {line}"
     left_out = Claim("close", "a", said=said, left_out="too many checks")
     assert left_out.outcome("cell 1").line == "–  a   [not measured: too many checks]"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("normal 6.9e-03  vs  SVD 2.2e-10", "normal 6.9e-03  vs  SVD 2.2e-10"),
+        ("[[1 2]\n [3 4]]\r\n", "[[1 2] [3 4]]"),
+        ("a\u2028b\x0bc", "a b c"),
+        ("x" * 20, "x" * 10),
+    ],
+)
+def test_a_text_on_one_line_keeps_its_blanks(text, shown):
+    assert one_line(text, 10 if text[0] == "x" else 99) == shown

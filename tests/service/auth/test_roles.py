@@ -106,6 +106,7 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
     students = {path for _, path, least in GUARDED if least == "student"}
     own = {
         "/submissions/{id}",
+        "/submissions/{id}/comments/{comment}/answer",
         "/submissions/{id}/diff",
         "/submissions/{id}/source",
         "/assignments/{slug}/notebook",

@@ -49,11 +49,12 @@ def inline(text: str) -> Markup:
 
 
 def _as_html(text: str) -> Markup:
-    tokens = _parser().parse(neutralize_bidi(text))
+    parser = _parser()
+    tokens = parser.parse(neutralize_bidi(text))
     for token in tokens:
         if token.type in ("heading_open", "heading_close"):
             token.tag = f"h{min(int(token.tag[1:]) + 1, 6)}"
-    return Markup(_parser().renderer.render(tokens, _parser().options, {}))  # noqa: S704
+    return Markup(parser.renderer.render(tokens, parser.options, {}))  # noqa: S704
 
 
 @cache

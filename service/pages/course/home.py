@@ -41,11 +41,9 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     staff = person.role in STAFF
     isolation, reason = await workers.current()
     order = list(assignments())
-    if staff:
-        of_all, medians = await asyncio.gather(gradebook.overview(database), gradebook.medians(database))
-    else:
-        of_all, medians = await gradebook.overview(database), {}
-    overview = [row for row in of_all if row.slug in order and (staff or row.published)]
+    overview = [
+        row for row in await gradebook.overview(database) if row.slug in order and (staff or row.published)
+    ]
     own_rows = [] if staff else await deadlines.of_person(database, person.name)
     mine = {row.slug: row for row in own_rows}
     counted = [] if staff else await grades(database, person=person.name)
@@ -65,7 +63,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "groups": groups,
         "next": cards.next_deadline(groups, mine),
         "weights": sum(row.weight for row in overview if row.published),
-        "medians": medians,
+        "medians": await gradebook.medians(database) if staff else {},
         "standings": mine,
         "isolation": isolation or reason or "no worker is running",
     }

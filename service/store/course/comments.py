@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 from uuid import UUID
 
 from service.store.course import audit
-from service.store.database import Database
+from service.store.database import Database, Row
 from service.store.people.people import COURSE
 
 LONGEST = 2000
@@ -32,7 +31,7 @@ async def of_submission(database: Database, submission: UUID) -> Sequence[Commen
     return [Comment(**row._asdict()) for row in await database.rows(_ALL, {"submission": submission})]
 
 
-async def latest_answers(database: Database, slug: str) -> Sequence[Any]:
+async def latest_answers(database: Database, slug: str) -> Sequence[Row]:
     """Return the latest answers of students to comments about an assignment, newest first, with the
     ``submission`` and the student's ``full_name``.
     """

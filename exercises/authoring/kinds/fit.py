@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from exercises.authoring.kinds import kind
 from exercises.authoring.questions.argument_types import (
@@ -95,6 +94,8 @@ def _fitted(residuals: Callable[[Array], Array], starts: list[Array]) -> tuple[A
 
     Of equally good ones, such as those with both signs of a width, the nearest to the starts is the best.
     """
+    from scipy.optimize import least_squares  # 1 s, which a server without such a question saves
+
     found = [
         least_squares(residuals, p, "3-point", method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15)
         for p in starts

@@ -75,7 +75,7 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
 
 def _case(outcome: Outcome, report: Report, lines: SourceLines) -> Case:
     name = f"{outcome.id}: {one_line(outcome.label)}"  # GitLab merges cases of the same name
-    if outcome.verdict is Verdict.PASS:
+    if outcome.verdict is Verdict.PASS and outcome.counted:
         return Case(name, line=lines.line_of(outcome))
     kind = KINDS[outcome.verdict] if outcome.counted else "skipped"
     body = detail(outcome, report)

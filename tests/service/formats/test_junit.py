@@ -116,6 +116,11 @@ def test_nothing_checked_is_no_success(nothing):
     assert root.get("errors") == "1" and root.find(".//error").get("message") == "no check could be scored"
 
 
+def test_a_passed_check_without_points_is_skipped():
+    root = valid(junit.text([graded_file(report([outcome("a"), outcome("b", counted=False)]))], RIGID))
+    assert [case.find("skipped") is not None for case in root.iter("testcase")] == [False, True]
+
+
 def test_a_case_stands_at_the_students_line():
     source = "import numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return w / 0\n"
     root = valid(junit.text([graded_file(example(), source=source)], RIGID))

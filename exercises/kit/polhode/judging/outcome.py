@@ -228,8 +228,13 @@ class ExerciseReport:
     @property
     def heading(self) -> str:
         """Return number and title, and whether all of it is self-reported."""
-        own = bool(self.outcomes) and all(outcome.self_reported for outcome in self.outcomes)
-        return f"Exercise {self.number}. {self.title}{' (self-reported, no points)' if own else ''}"
+        own = " (self-reported, no points)" if self.is_self_reported else ""
+        return f"Exercise {self.number}. {self.title}{own}"
+
+    @property
+    def is_self_reported(self) -> bool:
+        """Return whether it has outcomes and the student's own code computed both sides of each."""
+        return bool(self.outcomes) and all(outcome.self_reported for outcome in self.outcomes)
 
 
 @dataclass

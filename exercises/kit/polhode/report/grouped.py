@@ -163,7 +163,17 @@ def section_text(section: Section, seen: Overview) -> str:
     shown = seen.line if section.causes else seen.text
     blocks = []
     for exercise in section.exercises:
-        outcomes = [shown(outcome) for outcome in exercise.outcomes]
+        outcomes = [
+            shown(outcome) + ("" if exercise.is_self_reported else _without_points(outcome))
+            for outcome in exercise.outcomes
+        ]
         title = [] if len(section.exercises) == 1 else [exercise.heading]
         blocks.append("\n".join([*title, *outcomes]))
     return "\n".join([section.heading, *blocks])
+
+
+def _without_points(outcome: Outcome) -> str:
+    """Return a line below a ✓ or ✗ that carries no points, "" below others."""
+    if outcome.counted or outcome.verdict is Verdict.UNMEASURED:
+        return ""
+    return f"\n     {'self-reported, ' if outcome.self_reported else ''}no points"

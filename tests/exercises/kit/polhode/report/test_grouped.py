@@ -192,6 +192,16 @@ def test_the_html_marks_what_a_line_is_worth():
     assert "hidden" not in page
 
 
+def test_the_text_marks_lines_without_points_unless_the_heading_does():
+    own = outcome("c", self_reported=True, counted=False)
+    several = report([outcome("a"), outcome("b", counted=False), own]).text()
+    assert several.count("no points") == 2
+    assert re.search(r"✓  b .*\n     no points\n✓  c .*\n     self-reported, no points\n", several)
+    alone = report([own]).text()
+    assert alone.count("no points") == 1 and alone.startswith("Exercise 1. ")
+    assert "no points" not in report([outcome("a", "unmeasured", counted=False)]).text()
+
+
 def test_what_was_measured_and_what_is_allowed_are_columns():
     page = outcome_item(outcome("a", detail="max|Δ| = 0.5 (rtol=1e-06, atol=0)"), NOTHING)
     assert '<span class="got">max|Δ| = 0.5</span> <span class="allowed">rtol=1e-06, atol=0</span>' in page

@@ -33,7 +33,9 @@ import polhode
 SERVER = "{{{{SERVER}}}}"
 polhode.connect(SERVER, assignment="{slug}")
 polhode.login()"""
-SUBMIT_NOTE = '# Run All does not submit. Run the cells above first; then remove the "# " from the next line.'
+SUBMIT_NOTE = """\
+# Run All does not submit. Run the cells above first; then remove the "# " before polhode.submit.
+import polhode  # again: a cell above may have used this name for something else"""
 EMPTY, TO_DEFINE = "# your code here", "# {} = ..."
 BROUGHT = "  # polhode.connect, in a cell above, brings {package}"
 """A comment behind the first import of a course's package: the traceback shows it to a student who runs that

@@ -201,6 +201,13 @@ def test_calls_of_submit_alone_in_a_cell_become_comments(sections):
     assert last("x = 1") == ["x = 1", f"{SUBMIT_NOTE}\n# polhode.submit()"]
 
 
+def test_the_last_cell_finds_the_kit_even_if_a_cell_has_named_a_curve_polhode(sections):
+    last = sources(published("s", [Cell("code", "polhode = [1, 2]")], sections))[-1]
+    names = {"polhode": [1, 2]}
+    exec(last, names)
+    assert callable(names["polhode"].submit)
+
+
 def test_a_check_follows_the_last_solution_of_each_exercise(sections):
     def checked(*cells):
         made = [Cell("markdown" if text[0] in "#*" else "code", text) for text in cells]

@@ -71,8 +71,9 @@ def read_index(folder: Path, more: Collection[str]) -> dict[str, Any] | None:
 
 
 def _digest(folder: Path, more: Collection[str]) -> str:
-    """Return a digest of the files of an assignment: code, notebook and data."""
+    """Return a digest of the files of an assignment: code, notebook and data. Hidden files are none."""
     digest = hashlib.sha256(json.dumps(sorted(more)).encode())
-    for path in sorted(one for one in folder.iterdir() if one.is_file() and one.name != INDEX):
+    named = (one for one in folder.iterdir() if not one.name.startswith("."))
+    for path in sorted(one for one in named if one.is_file() and one.name != INDEX):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()

@@ -70,6 +70,12 @@ def test_another_data_file_makes_the_index_invalid(folder):
         assert not isinstance(found.valid["small-sums"], IndexedAssignment)
 
 
+def test_a_hidden_file_changes_nothing(folder):
+    (folder / ".DS_Store").write_bytes(b"x")
+    with known(folder) as found:
+        assert isinstance(found.valid["small-sums"], IndexedAssignment)
+
+
 def test_one_that_no_longer_loads_is_invalid(folder, monkeypatch):
     """As after the update of a package that it imports: its files, and so its index, are unchanged."""
     monkeypatch.setattr(catalogue, "load", lambda folder: (None, ["it needs another package"]))

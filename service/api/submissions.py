@@ -25,7 +25,6 @@ from service.api.release import NOT_RELEASED, visible
 from service.auth.identity import STAFF, Person, Reader, Submitter, Visitor
 from service.auth.roles import OptionalUser
 from service.formats import junit
-from service.formats.grade_row import whole
 from service.grading.graded_file import GradedFile
 from service.http.errors import Problem
 from service.http.live import Listener
@@ -361,7 +360,7 @@ def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
     more |= {name: getattr(stored, name) for name in ("id", "status", "submitted_at", "late")}
     more |= {"scores_released": False} if stored.withheld else {}
     if stored.points is not None and stored.penalty:
-        more |= {"penalty": stored.penalty, "final": whole(round(stored.points - stored.penalty, 2))}
+        more |= {"penalty": stored.penalty, "final": stored.final}
     report = document(stored.report) if stored.report else None
     return answers.Submission(**more, sha256=stored.submission.sha256, report=report)
 

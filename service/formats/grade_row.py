@@ -59,8 +59,8 @@ class GradeRow:
 
     @property
     def final(self) -> float | None:
-        """Return the points after the late penalty, rounded to hundredths; whole numbers are an int."""
-        return None if self.points is None else whole(round(self.points - self.penalty, 2))
+        """Return the points after the late penalty, None without points."""
+        return after_penalty(self.points, self.penalty)
 
     @property
     def percent(self) -> float | None:
@@ -81,6 +81,11 @@ class GradeRow:
         if check not in self.checks or check not in self.given:
             return self.checks.get(check)
         return "pass" if self.given[check] >= self.worth[check] else "fail"
+
+
+def after_penalty(points: float | None, penalty: float) -> float | None:
+    """Return what a late penalty leaves of ``points``, rounded to hundredths; whole numbers are an int."""
+    return None if points is None else whole(round(points - penalty, 2))
 
 
 def whole(number: float) -> float:

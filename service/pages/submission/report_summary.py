@@ -71,7 +71,7 @@ def points(assignment: Assignment | None, report: Report, stored: SubmissionReco
     """
     most = assignment.max_points() if assignment else report.max_points or report.total
     bonus = assignment.bonus_points() if assignment else report.bonus_points or 0
-    final = (stored.points or 0) - stored.penalty
+    final = stored.final or 0
     if not bonus:
         return Points(final, most, "")
     if final != report.score:

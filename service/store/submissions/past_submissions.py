@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from service.formats.grade_row import whole
+from service.formats.grade_row import after_penalty
 from service.store.database import Database, Row
 from service.store.submissions.records import FINAL, LATE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
 
@@ -40,7 +40,7 @@ class PastSubmission:
     @property
     def final(self) -> float | None:
         """The points after the late penalty."""
-        return None if self.points is None else whole(round(self.points - self.penalty, 2))
+        return after_penalty(self.points, self.penalty)
 
 
 async def timeline(database: Database, person: str, slug: str) -> Sequence[Row]:

@@ -9,6 +9,7 @@ from uuid import UUID
 
 from polhode.report.dataclass_json import read as read_document
 from polhode.report.report import Report
+from service.formats.grade_row import after_penalty
 from service.grading.submission import Submission
 from service.store.database import Database, Row
 
@@ -67,6 +68,11 @@ class SubmissionRecord:
     def finished(self) -> bool:
         """Return whether the submission has a result."""
         return self.status in ("graded", "faulted")
+
+    @property
+    def final(self) -> float | None:
+        """Return the points after the late penalty, None without points."""
+        return after_penalty(self.points, self.penalty)
 
 
 def points(given: str, grading: str, score: str) -> str:

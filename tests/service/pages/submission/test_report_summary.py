@@ -21,11 +21,11 @@ def failed(id):
 def test_the_points_of_optional_functions_stand_apart_unless_an_override_mixed_them(rigid_body):
     made = [outcome(f"c{k}") for k in range(30)] + [outcome(f"b{k}", bonus=True) for k in range(4)]
     one = report(made, max_points=36, bonus_points=6, total=40)
-    shown = report_summary.points(rigid_body, one, SimpleNamespace(points=34, penalty=0))
+    shown = report_summary.points(rigid_body, one, SimpleNamespace(final=34))
     assert (shown.shown, shown.most, shown.bonus) == (30, 36, ", +4 of 6 bonus") and shown.share < 84
-    shown = report_summary.points(rigid_body, one, SimpleNamespace(points=34, penalty=3.4))
-    assert (round(shown.shown, 1), shown.bonus) == (30.6, ", bonus included (at most 6)")
-    shown = report_summary.points(None, report(made), SimpleNamespace(points=40, penalty=0))
+    shown = report_summary.points(rigid_body, one, SimpleNamespace(final=30.6))
+    assert (shown.shown, shown.bonus) == (30.6, ", bonus included (at most 6)")
+    shown = report_summary.points(None, report(made), SimpleNamespace(final=40))
     assert (shown.most, shown.bonus, shown.share) == (34, "", 100.0)
 
 

@@ -115,6 +115,7 @@ async def _fill(database, url, sandbox, source, texts):
         "search": "/search?q=a",
         "course settings": "/settings",
         "setup": "/setup",
+        "lines": "/lines",
         "start": "/start",
         "add person": "/people/add",
         "extensions": "/extensions",

@@ -158,6 +158,15 @@ def test_students_are_sorted_and_those_who_gain_nothing_are_found(looks, url):
     )
 
 
+def test_a_choice_of_the_students_page_keeps_the_others(looks):
+    page = looks("helper", f"{STUDENTS}?by=check&sort=worst")[1]
+    choices = re.findall(r'<a href="(\?by=[^"]*)"', page)
+    assert len(choices) == 8 and "?by=exercise&amp;sort=worst&amp;show=all" in choices
+    assert "?by=check&amp;sort=name&amp;show=all" in choices
+    for choice in choices:
+        assert looks("helper", STUDENTS + choice.replace("&amp;", "&"))[0] == 200, choice
+
+
 def test_no_gain_needs_two_graded_submissions_and_points_to_gain():
     earned = {
         "same": [3, 3],

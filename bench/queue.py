@@ -20,6 +20,7 @@ from pathlib import Path
 import httpx2
 import psycopg
 
+from bench.surge import publish
 from service.cli.server.demo import free_port
 from service.grading.grader import Grader
 from service.grading.submission import Submission
@@ -79,6 +80,7 @@ def server(workers: int) -> Iterator[tuple[str, Path, "subprocess.Popen[bytes]"]
                     if httpx2.get(f"{url}{'/readyz' if workers else '/livez'}").status_code == 200:
                         break
                 time.sleep(0.1)
+            publish(running_url(data) or "")
             time.sleep(2)
             yield url, data, process
         finally:

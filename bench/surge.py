@@ -183,7 +183,9 @@ def server(workers: int, waits: str | None = None) -> Iterator[tuple[str, str]]:
             if waits:
                 record(Path(folder) / "recorded")
                 stand_ins = _start_stand_ins(Path(folder) / "recorded", data, workers, waits)
-            yield f"http://127.0.0.1:{port}", _ready(process, f"http://127.0.0.1:{port}", data, workers)
+            database = _ready(process, f"http://127.0.0.1:{port}", data, workers)
+            publish(database)
+            yield f"http://127.0.0.1:{port}", database
         finally:
             if stand_ins is not None:
                 stand_ins.terminate()
@@ -199,6 +201,12 @@ def server(workers: int, waits: str | None = None) -> Iterator[tuple[str, str]]:
                     *lines[-10:],
                     sep="\n  ",
                 )
+
+
+def publish(database: str) -> None:
+    """Let students submit to the assignment, which is a draft in a new course."""
+    with psycopg.connect(database) as connection:
+        connection.execute("UPDATE assignment SET published = true WHERE slug = 'rigid-body'")
 
 
 def _start_stand_ins(recorded: Path, data: Path, workers: int, kind: str) -> "subprocess.Popen[bytes]":

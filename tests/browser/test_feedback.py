@@ -23,7 +23,8 @@ def test_a_request_an_answer_and_a_comment(page, seen_by, application, url):
     tutor.get_by_role("link", name="1 regrade request").click()
     tutor.get_by_label("Answer").fill("the unit is not the cause")
     tutor.get_by_role("button", name="Decline").click()
-    tutor.wait_for_url(f"**{path}")
+    tutor.get_by_label("Answer").wait_for(state="detached")  # the next request would be here
+    tutor.goto(application.url + path)
     tutor.locator('[data-cell="1"] [data-line="2"]').click()
     line, comment = tutor.get_by_label("Line", exact=True), tutor.get_by_label("Comment (")
     assert line.input_value() == "2" and comment.evaluate("field => field === document.activeElement")

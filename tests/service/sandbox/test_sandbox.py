@@ -468,7 +468,7 @@ HOST = """
 import time
 from service.sandbox.isolation.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.isolation import process_isolation
+from service.sandbox.isolation.levels import process_isolation
 sandbox = Sandbox(ISOLATION)
 sandbox.self_test()
 print(sandbox._zygote._started.process.pid, flush=True)

@@ -341,14 +341,15 @@ def test_each_variant_compiles_has_a_documented_code_and_no_other_has_its_meanin
 
 
 @pytest.mark.slow
-def test_nearly_all_variants_return_wrong_numbers_and_nine_in_ten_their_own():
+def test_nearly_all_variants_return_wrong_numbers_and_most_of_them_their_own():
+    """An argument without effect has the numbers of the solution without its term, for example."""
     results = [measured(name) for name in RIGHT]
     equal, wrong = (
         sum(map(len, parts))
         for parts in ([e for _, e, _ in results], [g for _, _, groups in results for g in groups])
     )
     alone = sum(len(group) == 1 for _, _, groups in results for group in groups)
-    assert wrong >= 300 and equal <= 0.03 * wrong and alone >= 0.9 * wrong
+    assert wrong >= 300 and equal <= 0.03 * wrong and alone >= 0.85 * wrong
 
 
 STEP = "def step(x, v, h):\n    return x + h * v, v - h * x\n"

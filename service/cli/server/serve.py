@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import FrameType
 from typing import Any, cast
@@ -122,15 +122,7 @@ class _Server(uvicorn.Server):
             places = [one.getsockname()[:2] for one in sockets or ()]
             _print(f"listening on {', '.join(_address(host, port) for host, port in places)}")
             held = self.config.app.state.held
-            settings = held[Settings]
-            secret = await first_instructor.link_secret(held[Database], single_user=settings.is_single_user)
-            if secret is not None:
-                address = settings.public_url or _address(*places[0])
-                _print(
-                    f"for a course open {address.rstrip('/')}/start#token={secret} once: it creates the first"
-                    " instructor, and people log in from then on"
-                )
-            self._announcement = asyncio.create_task(_announce_isolation(held[WorkerStatus]))
+            self._announcement = asyncio.create_task(_announce(held, _address(*places[0])))
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         if self._announcement is not None:
@@ -146,6 +138,24 @@ class _Server(uvicorn.Server):
 
 def _address(host: str, port: int) -> str:
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+async def _announce(held: Mapping[type, Any], address: str) -> None:
+    """Print the link that creates the first instructor, if there is none, and then the isolation level."""
+    settings = held[Settings]
+    secret = None
+    try:
+        secret = await first_instructor.link_secret(held[Database], single_user=settings.is_single_user)
+    except Exception as error:
+        if not is_outage(error):
+            raise
+    if secret is not None:
+        address = (settings.public_url or address).rstrip("/")
+        _print(
+            f"for a course open {address}/start#token={secret} once: it creates the first instructor, and"
+            " people log in from then on"
+        )
+    await _announce_isolation(held[WorkerStatus])
 
 
 async def _announce_isolation(status: WorkerStatus) -> None:

@@ -276,7 +276,8 @@ def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_othe
             "HOME": str(tmp_path),
             "PATH": os.environ["PATH"],
         }
-        code = f"import polhode; polhode.connect({server.url!r}); print('sent', len(polhode.submissions()))"
+        connect = f"polhode.connect({server.url!r}, assignment='rigid-body')"
+        code = f"import polhode; {connect}; print('sent', len(polhode.submissions()))"
         done = subprocess.run(
             [sys.executable, "-P", "-c", code],
             env=environment | named,

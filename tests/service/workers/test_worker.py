@@ -240,9 +240,12 @@ def test_a_sweep_gives_way_to_a_grading_and_is_measured_later(database_url, sand
 
     async def swept(database):
         found = []
-        async with worker_on(database_url, Grader(sandbox)) as worker:
+        async with (
+            worker_on(database_url, Grader(sandbox)) as one,
+            worker.new_app(database_url, "test").open_async() as one._app,
+        ):
             for _ in range(2):
-                await worker._sweep(str(grading))
+                await one._sweep(str(grading))
                 found.append(await speed_vs_accuracy.ending(database, grading))
                 async with database.begin() as connection:
                     await connection.execute(f"DELETE FROM {grades}")

@@ -332,8 +332,8 @@ SANDBOX = [
     Breakage(
         "exports ignore the late penalty",
         "service/formats/grade_row.py",
-        "round(self.points - self.penalty, 2)",
-        "round(self.points, 2)",
+        "round(points - penalty, 2)",
+        "round(points, 2)",
         ("tests/service/pages/course/test_settings.py",),
     ),
     Breakage(

@@ -183,9 +183,10 @@ def server(workers: int, waits: str | None = None) -> Iterator[tuple[str, str]]:
             if waits:
                 record(Path(folder) / "recorded")
                 stand_ins = _start_stand_ins(Path(folder) / "recorded", data, workers, waits)
-            database = _ready(process, f"http://127.0.0.1:{port}", data, workers)
+            url = f"http://127.0.0.1:{port}"
+            database = _ready(process, url, data, workers)
             publish(database)
-            yield f"http://127.0.0.1:{port}", database
+            yield url, database
         finally:
             if stand_ins is not None:
                 stand_ins.terminate()

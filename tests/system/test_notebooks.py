@@ -7,6 +7,7 @@ import signal
 import threading
 import time
 import urllib.request
+from itertools import takewhile
 
 import pytest
 
@@ -74,7 +75,9 @@ def shown(outputs):
 
 def report_lines(outputs):
     """The ✓/✗ lines of a report, without the texts of its pictures, which follow them."""
-    return [line for line in shown(outputs).split("\n") if line[0] in "✓✗–"]
+    lines = list(takewhile(lambda line: line.startswith(("✓", "✗", "–")), shown(outputs).split("\n")))
+    assert lines
+    return lines
 
 
 def page(outputs):

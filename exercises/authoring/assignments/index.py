@@ -71,9 +71,9 @@ def read_index(folder: Path, more: Collection[str]) -> dict[str, Any] | None:
 
 
 def _digest(folder: Path, more: Collection[str]) -> str:
-    """Return a digest of the files of an assignment: code, notebook and data. Hidden files are none."""
+    """Return a digest of the files of an assignment: code, notebook and data, but no hidden files."""
     digest = hashlib.sha256(json.dumps(sorted(more)).encode())
-    named = (one for one in folder.iterdir() if not one.name.startswith("."))
-    for path in sorted(one for one in named if one.is_file() and one.name != INDEX):
+    files = (one for one in folder.iterdir() if one.is_file() and not one.name.startswith("."))
+    for path in sorted(one for one in files if one.name != INDEX):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()

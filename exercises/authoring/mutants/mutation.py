@@ -44,8 +44,13 @@ DROPPED = {
     "int",
     "round",
     "inv",
+    "sort",
+    "cumsum",
+    "radians",
+    "deg2rad",
+    "fftshift",
+    "unwrap",
 }
-DROPPED |= {"sort", "cumsum", "radians", "deg2rad", "fftshift", "unwrap"}
 """Functions whose call is forgotten."""
 COMMUTATIVE = {
     "min",

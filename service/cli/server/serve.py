@@ -4,6 +4,7 @@ import argparse
 import asyncio
 import contextlib
 import gc
+import math
 import signal
 import socket
 import sys
@@ -24,7 +25,7 @@ from service.auth import oidc
 from service.http.connections import ACCEPTED, Connection, Connections, raise_open_file_limit
 from service.http.live import Listener
 from service.settings import Settings
-from service.store.database import Database, is_outage
+from service.store.database import Database, is_outage, patiently
 from service.store.people import first_instructor
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.schema import WrongSchema
@@ -143,12 +144,8 @@ def _address(host: str, port: int) -> str:
 async def _announce(held: Mapping[type, Any], address: str) -> None:
     """Print the link that creates the first instructor, if there is none, and then the isolation level."""
     settings = held[Settings]
-    secret = None
-    try:
-        secret = await first_instructor.link_secret(held[Database], single_user=settings.is_single_user)
-    except Exception as error:
-        if not is_outage(error):
-            raise
+    read = partial(first_instructor.link_secret, held[Database], single_user=settings.is_single_user)
+    secret = await patiently(read, math.inf)
     if secret is not None:
         address = (settings.public_url or address).rstrip("/")
         _print(

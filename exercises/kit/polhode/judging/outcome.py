@@ -8,6 +8,7 @@ from typing import ClassVar
 from polhode.judging.judge import RowsRight, Verdict, line
 from polhode.report.student_line import StudentLine, raised
 
+SELF_REPORTED = "self-reported, no points"
 NEARLY = 0.01  # a larger margin may be explained by a few rounding errors,
 SMALL = 1e-6  # if the tolerance that would pass is at most this
 ALLOWED = re.compile(r" \(((?:rtol|limit|must) ?[^()]*)\)")  # in the brackets of a line
@@ -228,7 +229,7 @@ class ExerciseReport:
     @property
     def heading(self) -> str:
         """Return number and title, and whether all of it is self-reported."""
-        own = " (self-reported, no points)" if self.is_self_reported else ""
+        own = f" ({SELF_REPORTED})" if self.is_self_reported else ""
         return f"Exercise {self.number}. {self.title}{own}"
 
     @property

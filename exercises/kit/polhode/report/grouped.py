@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from polhode.judging.judge import Verdict, line
-from polhode.judging.outcome import ExerciseReport, Outcome, SceneEnd
+from polhode.judging.outcome import SELF_REPORTED, ExerciseReport, Outcome, SceneEnd
 from polhode.report.cause import Cause, causes, counted, exercises_named, reasons
 from polhode.report.student_line import StudentLine
 
@@ -176,4 +176,4 @@ def _without_points(outcome: Outcome) -> str:
     """Return a line below a ✓ or ✗ that carries no points, "" below others."""
     if outcome.counted or outcome.verdict is Verdict.UNMEASURED:
         return ""
-    return f"\n     {'self-reported, ' if outcome.self_reported else ''}no points"
+    return f"\n     {SELF_REPORTED if outcome.self_reported else 'no points'}"

@@ -9,13 +9,13 @@ from typing import Any, ClassVar
 from polhode.judging.claims import NotebookCheck
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
-from polhode.judging.outcome import ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
+from polhode.judging.outcome import SELF_REPORTED, ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
 from polhode.report import cause, grouped
 from polhode.report.cause import exercises_named
 from polhode.report.grouped import Overview
 from polhode.report.student_line import StudentLine
 
-OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
+OWN_CHECKS = f"The notebook's own checks ({SELF_REPORTED})"
 
 
 def pictures(exercises: Sequence[Exercise], shown: Collection[str]) -> tuple[list[Picture], list[Picture]]:

@@ -10,7 +10,7 @@ from html import escape
 
 from polhode.client.errors import RequestError
 from polhode.judging.judge import MARKS, Verdict
-from polhode.judging.outcome import Diagnosis, ExerciseReport, Outcome, Picture
+from polhode.judging.outcome import SELF_REPORTED, Diagnosis, ExerciseReport, Outcome, Picture
 from polhode.report.cause import FIRST, LOOK, NEXT, Cause
 from polhode.report.grouped import Overview, Section
 from polhode.report.report import OWN_CHECKS, Report, no_picture
@@ -160,7 +160,7 @@ def _badges(outcome: Outcome, *, for_staff: bool) -> list[str]:
     found += ["hidden"] if for_staff and outcome.hidden else []
     found += ["bonus"] if outcome.bonus else []
     if outcome.self_reported:
-        return [*found, "self-reported, no points"]
+        return [*found, SELF_REPORTED]
     return found if outcome.counted else [*found, "not counted"]
 
 

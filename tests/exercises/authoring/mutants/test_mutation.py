@@ -341,15 +341,20 @@ def test_each_variant_compiles_has_a_documented_code_and_no_other_has_its_meanin
 
 
 @pytest.mark.slow
-def test_nearly_all_variants_return_wrong_numbers_and_most_of_them_their_own():
-    """An argument without effect has the numbers of the solution without its term, for example."""
+def test_nearly_all_variants_return_wrong_numbers_and_nine_in_ten_their_own():
+    """Not those with an argument without effect, which often have the numbers of a missing term."""
     results = [measured(name) for name in RIGHT]
     equal, wrong = (
         sum(map(len, parts))
         for parts in ([e for _, e, _ in results], [g for _, _, groups in results for g in groups])
     )
-    alone = sum(len(group) == 1 for _, _, groups in results for group in groups)
-    assert wrong >= 300 and equal <= 0.03 * wrong and alone >= 0.85 * wrong
+    assert wrong >= 300 and equal <= 0.03 * wrong
+    sizes = [
+        sum("has no effect" not in variant.sentence for variant in group)
+        for _, _, groups in results
+        for group in groups
+    ]
+    assert sizes.count(1) >= 0.9 * sum(sizes)
 
 
 STEP = "def step(x, v, h):\n    return x + h * v, v - h * x\n"

@@ -19,7 +19,9 @@ COPY pyproject.toml README.md LICENSE ./
 COPY reference reference
 COPY exercises exercises
 COPY service service
-RUN /opt/uv/bin/uv pip install --python /opt/venv --offline --no-deps --no-build-isolation ./exercises/kit .
+# Loading the assignments writes the indexes from which a server lists them.
+RUN /opt/uv/bin/uv pip install --python /opt/venv --offline --no-deps --no-build-isolation ./exercises/kit . \
+    && cd / && /opt/venv/bin/python -c "from exercises.authoring.assignments import catalogue; catalogue.assignments()"
 
 FROM ${BASE}
 LABEL org.opencontainers.image.title="polhode" org.opencontainers.image.licenses="MIT" \

@@ -40,7 +40,7 @@ class WorkerPool:
         for signal_number in STOPS:
             signal.signal(signal_number, self._stop)
         os.nice(NICENESS)
-        assignments()  # loaded once, for all workers
+        assignments()  # listed once, for all workers; each loads what it grades
         gc.freeze()  # keeps imported modules in shared pages
         gc.set_threshold(MOST_YOUNG)
         workers = [_WorkerProcess(number) for number in range(self._settings.workers)]

@@ -30,12 +30,11 @@ class Supervisor(threading.Thread):
         self._ready, self._stopping = threading.Event(), threading.Event()
         self._failure: Exception | None = None
 
-    def begin(self) -> None:
-        """Start, and return once the database answers and its tables are up to date.
+    def wait_until_ready(self) -> None:
+        """Return once the database answers and its tables are up to date.
 
         Raises DatabaseUnavailable.
         """
-        self.start()
         self._ready.wait()
         if self._failure is not None:
             raise self._failure

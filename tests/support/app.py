@@ -11,7 +11,8 @@ import time
 from pathlib import Path
 
 from service import logs
-from service.cli.server import serve
+from service.cli.server.http_server import http_server
+from service.cli.server.serve import open_socket
 from service.settings import Settings
 
 
@@ -22,10 +23,10 @@ class App:
 
     def __init__(self, **settings):
         self.settings = Settings(**{"identity": "token", "port": 0} | settings)
-        self._socket = serve.open_socket(self.settings)
+        self._socket = open_socket(self.settings)
         self.port = self._socket.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}"
-        self._server = serve.http_server(self.settings)
+        self._server = http_server(self.settings)
         self._folder = tempfile.TemporaryDirectory(prefix="polhode-app-")
         self.log = Path(self._folder.name, "serve.log")
         self._lines = self.log.open("w")

@@ -211,16 +211,11 @@ def selected() -> list[Path]:
     )
 
 
-def keep_index(assignment: Assignment) -> None:
-    """Write the index of an assignment into its folder, so that lists need not load it."""
-    write_index(assignment, distributions(tuple(course_folders())))
-
-
 def _listed(folder: Path, more: Collection[str]) -> Assignment | InvalidAssignment:
     """Return an assignment for lists: one that is loaded later if it has a valid index."""
-    if (index := read_index(folder, more)) is None:
+    if (index := read_index(folder)) is None:
         return _load(folder)
-    return cast("Assignment", IndexedAssignment(folder, index, lambda: find(slug_of(folder))))
+    return cast("Assignment", IndexedAssignment(folder, index, more, lambda: find(slug_of(folder))))
 
 
 @functools.cache
@@ -229,6 +224,8 @@ def _load(folder: Path) -> Assignment | InvalidAssignment:
     try:
         assignment, errors = load(folder)
         errors = errors or validation.errors(assignment)
+        if not errors and read_index(folder) is None:
+            write_index(assignment)
         if not errors and (more := distributions(tuple(course_folders()))):
             assignment = replace(assignment, packages=tuple(dict.fromkeys([*assignment.packages, *more])))
     except InvalidAssignment as error:

@@ -153,7 +153,6 @@ def _finish(folder: Path, notebook: PublishedNotebook, run: DryRun | None) -> bo
     except InvalidAssignment as error:
         print(f"polhode: {notebook.path}: {error}", file=sys.stderr)
         return False
-    catalogue.keep_index(assignment)
     statuses = line_counts(assignment)
     counts = ", ".join(f"{n} {word}" for status, word in IN_WORDS.items() if (n := statuses.get(status.name)))
     print(f"{folder}: {len(notebook.taken)} of {len(notebook.taken) + len(notebook.left)} lines: {counts}")

@@ -60,7 +60,7 @@ WEB = [
     ),
     Breakage(
         "responses name the server software",
-        "service/cli/server/serve.py",
+        "service/cli/server/http_server.py",
         "server_header=False",
         "server_header=True",
         ("tests/service/http/test_connections.py::test_no_response_names_the_server_software",),

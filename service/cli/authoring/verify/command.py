@@ -92,7 +92,6 @@ def _verify_assignment(
     lines = has_lines(assignment)
     if lines and whole:
         codes.append(verify_lines(assignment, arguments.seed, isolation, jobs))
-        catalogue.keep_index(assignment)
         solved = right_notebooks(assignment.folder)  # verified by their lines
         found = replace(found, unlisted=[file for file in found.unlisted if file not in solved])
     own = bool(found.samples or found.unlisted or not (assignment.questions or lines))

@@ -1,12 +1,13 @@
 """An assignment with an index is listed without being loaded, and loaded when more of it is read."""
 
 import json
+import shutil
 
 import pytest
 
 from exercises.authoring.assignments import catalogue
 from exercises.authoring.assignments.assignment import InvalidAssignment
-from exercises.authoring.assignments.index import INDEX, IndexedAssignment
+from exercises.authoring.assignments.index import COUNTED, INDEX, SHOWN, IndexedAssignment, read_index
 from service.cli.__main__ import main
 from tests.support.assignments import change, known
 from tests.support.course_shape import published, written
@@ -38,12 +39,29 @@ def test_what_the_index_does_not_have_is_loaded(folder):
         assert one.max_points(["1"]) == 0
 
 
+@pytest.mark.parametrize("folder", catalogue.folders(), ids=lambda folder: folder.name)
+def test_lists_of_the_bundled_assignments_say_what_these_say(folder):
+    loaded, index = catalogue.find(folder.name), read_index(folder)
+    assert index is not None and index.keys() == {*SHOWN, *COUNTED, "files"}
+    listed = IndexedAssignment(folder, index, (), lambda: 1 / 0)
+    assert listed.slug == loaded.slug and listed.max_points() == loaded.max_points()
+    assert [getattr(listed, name) for name in SHOWN] == [getattr(loaded, name) for name in SHOWN]
+
+
+def test_an_assignment_in_a_folder_that_cannot_be_written_is_loaded(folder):
+    shutil.rmtree((folder / INDEX).parent)
+    (folder / INDEX).parent.write_text("")
+    for _ in range(2):
+        with known(folder) as found:
+            assert found.valid["small-sums"].title == "9.9 Small sums"
+            assert not isinstance(found.valid["small-sums"], IndexedAssignment)
+
+
 def test_another_text_makes_the_index_invalid(folder):
     change(folder / "assignment.py", "shown=True)", "shown=True, accept=True)")
     with known(folder) as found:
         assert not isinstance(found.valid["small-sums"], IndexedAssignment)
         assert found.valid["small-sums"].max_points() == 2
-        catalogue.keep_index(found.valid["small-sums"])
     with known(folder) as found:
         assert isinstance(found.valid["small-sums"], IndexedAssignment)
         assert found.valid["small-sums"].most_points == 2

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import exercises.authoring
-from exercises.authoring.asked import Asked
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedDynamics, AskedMotion, Motions
+from exercises.authoring.asked_solution import Asked
 from exercises.authoring.draws import Drawing
 
 ABOUT = (

@@ -39,11 +39,11 @@ from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import account, api_reference, login, queue, regrades, speed_vs_accuracy
 from service.pages.class_view import assignment_rules, class_pages
-from service.pages.course import first_run, home, imported_lines, setup
+from service.pages.course import audit_log, first_run, home, imported_lines, setup
 from service.pages.course import settings as course_settings
 from service.pages.people import editing, extensions, listing, roster, view_as
 from service.pages.rejected_forms import form_state
-from service.pages.submission import overrides, page
+from service.pages.submission import overrides, own_submissions, page
 from service.pages.submission import requests_and_comments as feedback_pages
 from service.settings import Settings
 from service.store.database import Database
@@ -65,6 +65,8 @@ ROUTERS = (
 )
 PAGES = (
     home.router,
+    audit_log.router,
+    own_submissions.router,
     first_run.router,
     setup.router,
     view_as.router,

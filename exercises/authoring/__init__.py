@@ -13,8 +13,8 @@ from exercises.authoring.draws import (
     one_of,
     with_ends,
 )
+from exercises.authoring.kinds.dynamics import Sensitivity
 from exercises.authoring.kinds.expression import symbol
-from exercises.authoring.kinds.motions import Sensitivity
 from exercises.authoring.kinds.random import generator, seed
 from exercises.authoring.kinds.stepper import euler, heun, midpoint, rk4, tableau
 from exercises.authoring.notebook import Notebook

@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
-from exercises.authoring.asked import Asked, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
+from exercises.authoring.asked_solution import Asked, DeclarationError
 from exercises.authoring.draws import JointDraw, between
 from exercises.authoring.importing.lines import Line
 from exercises.authoring.kinds.animation import animation, body_animation

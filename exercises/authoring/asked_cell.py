@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from exercises.authoring.asked import AskedSolution, DeclarationError
+from exercises.authoring.asked_solution import AskedSolution, DeclarationError
 from exercises.authoring.kinds.variables import Claim, variables
 from exercises.authoring.questions.argument_types import Value
 from exercises.authoring.questions.question import Question

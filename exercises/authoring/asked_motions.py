@@ -10,9 +10,9 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
-from exercises.authoring.asked import Asked, AskedSolution, DeclarationError
+from exercises.authoring.asked_solution import Asked, AskedSolution, DeclarationError
 from exercises.authoring.draws import JointDraw
-from exercises.authoring.kinds.motions import Driven, Dynamics, HiddenMotion, Motion, chart
+from exercises.authoring.kinds.dynamics import Driven, Dynamics, HiddenMotion, Motion, chart
 from exercises.authoring.questions.argument_types import tolerance_data
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution

@@ -8,8 +8,8 @@ from types import FunctionType
 from typing import Any
 
 from exercises.authoring.ask import Ask
-from exercises.authoring.asked import Asked, AskedSolution, DeclarationError
 from exercises.authoring.asked_cell import AskedCell
+from exercises.authoring.asked_solution import Asked, AskedSolution, DeclarationError
 
 
 def raised(run: Callable[[], object], declare: FunctionType) -> list[str]:

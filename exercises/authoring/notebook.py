@@ -16,9 +16,9 @@ from types import FunctionType
 from typing import Any, TypeGuard
 
 from exercises.authoring.ask import Ask
-from exercises.authoring.asked import Asked
 from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
+from exercises.authoring.asked_solution import Asked
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.codes import CODES
 from exercises.authoring.declaration import Declaration

@@ -116,7 +116,7 @@ def _tags(exercise: ExerciseReport, outcome: Outcome) -> list[str]:
     causes = outcome.diagnosis if outcome.verdict is not Verdict.PASS else []
     kinds = (
         ["hidden"] * outcome.hidden
-        + ["not counted"] * (not outcome.counted)
+        + ["no points"] * (not outcome.counted)
         + ["self-reported"] * outcome.self_reported
     )
     return [f"exercise {exercise.number}", *kinds, *(one_line(one.code) for one in causes)]

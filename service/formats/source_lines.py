@@ -14,7 +14,7 @@ from typing import Any, cast
 
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import Outcome
-from polhode.notebook.outputs import is_notebook
+from polhode.notebook.strip_outputs import is_notebook
 from polhode.report.student_line import BREAK
 from service.formats.check_text import stopped_by
 from service.grading.graded_file import GradedFile

@@ -18,8 +18,8 @@ from service.grading.chains import play_chains, with_used
 from service.grading.diagnosis import matching_variants
 from service.grading.diagnosis.diagnosing import diagnose
 from service.grading.judging import judge
-from service.grading.playing import OnProgress, play_job
-from service.grading.published.loops import claims_of_solution
+from service.grading.published.claims_in_loops import claims_of_solution
+from service.grading.run_in_sandbox import OnProgress, play_job
 from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission
 from service.sandbox.result import PlayResult, SystemFault

@@ -13,8 +13,8 @@ from service.grading.author_errors import author_errors, find_assignment
 from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering
 from service.grading.grade import grade
-from service.grading.playing import OnProgress, play
-from service.grading.published.loops import has_loops
+from service.grading.published.claims_in_loops import has_loops
+from service.grading.run_in_sandbox import OnProgress, play
 from service.grading.sandbox_job import job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox

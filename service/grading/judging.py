@@ -12,7 +12,7 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome
 from polhode.judging.remarks import Absent, unsaid
 from service.grading.diagnosis.diagnosing import Causes, diagnose_failure
-from service.grading.playing import PlayedJob
+from service.grading.run_in_sandbox import PlayedJob
 from service.sandbox.result import PlayResult
 
 NOT_DEFINED = re.compile(r"NameError: name '(\w+)' is not defined")

@@ -7,7 +7,7 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.sharedctypes import Synchronized
 
-from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
+from service.grading.grade_file import GradeOptions, GradeRequest, grade_file, start_grader
 from service.grading.graded_file import GradedFile
 from service.grading.grader import Grader
 from service.sandbox.guest.confinement.lockdown import die_with_parent

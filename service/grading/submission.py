@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from polhode.judging.outcome import SceneEnd
-from polhode.notebook.outputs import is_notebook, strip_outputs
+from polhode.notebook.strip_outputs import is_notebook, strip_outputs
 from polhode.report.student_line import FRAME
 from service.sandbox.job import Cell
 

@@ -3,7 +3,7 @@
 import os
 
 from service.cli.grading import grade
-from service.grading import batch
+from service.grading import grade_files
 from service.sandbox.sandbox import Sandbox
 
 
@@ -17,5 +17,5 @@ def lend(sandbox, monkeypatch):
         return sandbox if os.getpid() == here else Sandbox(*options, **named)
 
     monkeypatch.setattr(sandbox, "close", lambda: None)
-    for module in (batch, grade):
+    for module in (grade_files, grade):
         monkeypatch.setattr(module, "Sandbox", lent)

@@ -20,9 +20,9 @@ from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import samples
 from polhode.judging.judge import MARKS
 from polhode.report.report import Report
-from service.grading.batch import grade_files
 from service.grading.diagnosis import matching_variants
-from service.grading.files import GradeOptions, GradeRequest
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.grading.graded_file import GradedFile
 from service.sandbox.isolation.select import choose
 from service.sandbox.time_budget import TimeLimits

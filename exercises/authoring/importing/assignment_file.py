@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.importing.importing import PublishedNotebook
-from exercises.authoring.importing.influence import is_shown
+from exercises.authoring.importing.self_reported_checks import Placed
+from exercises.authoring.importing.student_influence import is_shown
 from exercises.authoring.importing.titles import exercise_heading
-from exercises.authoring.importing.validation_cells import Placed
 
 HEAD = '''"""{title}: imported from {file}.
 

@@ -17,7 +17,7 @@ from polhode.animation.animation_recording import FRAME_CAP, HEIGHT, POINTS, STI
 from polhode.animation.artists import MOST_AXES
 from polhode.judging.outcome import Tolerance
 from polhode.kinds import asking
-from polhode.kinds.animation.adopted import MOST_OWN
+from polhode.kinds.animation.animation_of_cell import MOST_OWN
 from polhode.kinds.animation.body import AGREE
 
 RECORDING = {
@@ -35,7 +35,7 @@ OWN = {
     "own_t": ArraySpec((MOST_OWN, 1), up_to=True),
     "own_I": ArraySpec((8, 3), up_to=True),
 }
-"""The numbers behind an animation that a cell shows (polhode.kinds.animation.adopted)."""
+"""The numbers behind an animation that a cell shows (polhode.kinds.animation.animation_of_cell)."""
 RECORDING_S, BUDGET_S = 12.0, 15.0
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.samples import codes
-from exercises.authoring.importing.validation_cells import LINE
+from exercises.authoring.importing.self_reported_checks import LINE
 from exercises.authoring.mutants.mutation import pairs, variants
 from exercises.authoring.mutants.solution import Variant
 from exercises.authoring.questions.argument_types import Mistake

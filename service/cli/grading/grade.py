@@ -18,8 +18,8 @@ from service.cli.grading import report_options
 from service.cli.grading.find_assignment import find_assignment
 from service.cli.grading.find_files import find_files
 from service.cli.grading.report_folder import ReportFolder
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.grading.graded_file import GradedFile, summary
 from service.grading.submission import KIB, MIB, SizeLimits
 from service.sandbox.isolation.select import choose

@@ -30,7 +30,7 @@ from service.grading.diagnosis.explanations import (
 )
 from service.grading.diagnosis.quoting import StudentCode
 from service.grading.diagnosis.readings import in_general, unrepeatable
-from service.grading.playing import PlayedJob
+from service.grading.run_in_sandbox import PlayedJob
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import TooBusy
 from service.sandbox.sandbox import Sandbox

@@ -12,8 +12,13 @@ from numpy.typing import NDArray
 
 from exercises.authoring.importing.assignment_file import Findings
 from exercises.authoring.importing.importing import PublishedNotebook
-from exercises.authoring.importing.influence import computing, computing_cells, influenced, is_independent
-from exercises.authoring.importing.validation_cells import Placed
+from exercises.authoring.importing.self_reported_checks import Placed
+from exercises.authoring.importing.student_influence import (
+    computing,
+    computing_cells,
+    influenced,
+    is_independent,
+)
 from polhode.judging.judge import Verdict
 from service.grading.judging import NOT_DEFINED
 from service.sandbox.job import Cell, Job

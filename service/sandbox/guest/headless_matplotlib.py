@@ -17,7 +17,7 @@ from matplotlib.backends.registry import backend_registry
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-from .stand_in import NOTHING
+from .null_object import NOTHING
 
 FILE_BACKENDS = ("pdf", "ps", "svg", "template")  # they need no screen and no other program
 NO_LATEX = "the grader has no LaTeX: text is drawn by matplotlib's mathtext"

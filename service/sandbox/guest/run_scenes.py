@@ -15,15 +15,15 @@ from polhode.judging.author_errors import AuthorError, author_error, checked_arr
 from polhode.judging.remarks import Absent, noting
 from polhode.judging.return_value import is_written, missing
 
-from . import unused_libraries
+from . import deferred_libraries
 from .budget import Budget, limited
 from .calls import LOADED, Channel
 from .cells.claims import Recorder
 from .cells.running import Cells, Stopped
 from .ending import Cause, ending
+from .null_object import NOTHING
 from .returned_forms import in_form_of
-from .seal import Seal, in_place, names_used, private_modules
-from .stand_in import NOTHING
+from .tamper_detection import Seal, in_place, names_used, private_modules
 from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
 
@@ -36,7 +36,7 @@ NOTEBOOK_ONLY = ("check", "connect", "login", "logout", "submissions", "submit")
 INTEGRATION = "polhode.judging.integration"
 PRIVATE = (
     "polhode.animation.artists",
-    "polhode.animation.axes_decoration",
+    "polhode.animation.draw_decoration_once",
     "polhode.animation.visibility",
     "polhode.animation.animation_recording",
     INTEGRATION,
@@ -60,7 +60,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
         raise
     write.event("prepared")
-    with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
+    with nullcontext() if deferred_libraries.lacks("matplotlib") else animate.watched():
         _run(job, plays, module, write, recorder, unchanged=unchanged, reference=reference)
 
 
@@ -211,7 +211,7 @@ def copy_modules() -> None:
     for kinds in {False, KINDS_MODULE in sys.modules}:
         integration: Any = _private(kinds).modules[INTEGRATION]
         integration.tableau()  # before a submission can replace it
-        if not unused_libraries.lacks("scipy"):
+        if not deferred_libraries.lacks("scipy"):
             integration.solve_ivp()
 
 

@@ -92,7 +92,7 @@ def main(
         importlib.import_module(name)
     sys.modules["guest.cells.claims"].course[:] = course
     if when == LATER:
-        importlib.import_module("guest.unused_libraries").install()
+        importlib.import_module("guest.deferred_libraries").install()
     else:
         for library in MODULES:
             _import(library)
@@ -153,7 +153,7 @@ def _play(control: socket.socket, layers: Any, room: str, limits: tuple[int, ...
 
 def _import_later(library: str) -> None:
     """Import a library that was left out at the start."""
-    sys.modules["guest.unused_libraries"].remove(library)
+    sys.modules["guest.deferred_libraries"].remove(library)
     _import(library)
     sys.modules["guest.run_scenes"].copy_modules()
     gc.collect()

@@ -9,7 +9,7 @@ from scipy.optimize import curve_fit
 
 import reference
 from exercises.authoring.draws import Drawing
-from exercises.authoring.kinds.motions import ALONG, NODES
+from exercises.authoring.kinds.dynamics import ALONG, NODES
 from exercises.rigid_body import draws
 from polhode import kinds
 from polhode.judging.judge import Verdict

@@ -71,7 +71,7 @@ def test_a_report(rigid_body):
         ["exercise 1"],
         ["exercise 2", "hidden", "sign-flipped"],
         ["exercise 2", "raises"],
-        ["exercise 2", "not counted"],
+        ["exercise 2", "no points"],
     ]
     assert [test.tags for test in results.tests] == tags
     line = "✗  euler_eqs agrees with Euler's equations   [got 2 vs expected 1]"

@@ -7,8 +7,8 @@ import pytest
 from polhode.judging.outcome import SweepResult
 from service.cli.grading.report_folder import ReportFolder
 from service.formats import html
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.grading.graded_file import GradedFile
 from service.sandbox.isolation.select import choose
 from tests.support.guests import lend

@@ -22,7 +22,7 @@ GRADING = [
         "service/grading/submission.py",
         "source = strip_outputs(source) if notebook else source",
         "strip_outputs(source) if notebook else source",
-        ("tests/service/grading/test_batch.py", "tests/service/api/test_parse_submission.py"),
+        ("tests/service/grading/test_grade_files.py", "tests/service/api/test_parse_submission.py"),
     ),
     Breakage(
         "large uploads are parsed where all requests are handled",
@@ -56,7 +56,7 @@ GRADING = [
     ),
     Breakage(
         "a fault of the sandbox becomes a refused submission, and so a zero",
-        "service/grading/files.py",
+        "service/grading/grade_file.py",
         "source=source, fault=str(fault))",
         "source=source, refused=str(fault))",
         ("tests/service/cli/grading/test_grade.py::test_a_fault_exits_with_2_and_is_no_verdict",),

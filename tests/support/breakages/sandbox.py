@@ -144,14 +144,14 @@ SANDBOX = [
         "exercises/kit/polhode/animation/animation_recording.py",
         "    checked()\n",
         "",
-        ("tests/service/sandbox/guest/test_seal.py",),
+        ("tests/service/sandbox/guest/test_tamper_detection.py",),
     ),
     Breakage(
         "a submission may replace code of the recorder",
-        "service/sandbox/guest/seal.py",
+        "service/sandbox/guest/tamper_detection.py",
         "if _parts(function) != parts:",
         "if not parts:",
-        ("tests/service/sandbox/guest/test_seal.py",),
+        ("tests/service/sandbox/guest/test_tamper_detection.py",),
     ),
     Breakage(
         "Landlock is no layer any more",
@@ -218,7 +218,7 @@ SANDBOX = [
         "service/sandbox/zygote.py",
         "if n not in self.imported and code in ended.codes]:",
         "if False]:",
-        ("tests/service/sandbox/guest/test_unused_libraries.py",),
+        ("tests/service/sandbox/guest/test_deferred_libraries.py",),
     ),
     Breakage(
         "a cell's own definition replaces the reference function",
@@ -250,7 +250,7 @@ SANDBOX = [
     ),
     Breakage(
         "a submission that claims an error of the author gets a system fault",
-        "service/grading/playing.py",
+        "service/grading/run_in_sandbox.py",
         "if other is not None and (same_error(found, other) if known else found == other):",
         "if other is not None or found:",
         (
@@ -310,14 +310,14 @@ SANDBOX = [
     ),
     Breakage(
         "a random function may remember what it returned for a seed",
-        "service/grading/afresh.py",
+        "service/grading/fresh_process.py",
         'arrays["again"] * np.all(same, axis=0)',
         'arrays["again"]',
-        ("tests/service/grading/test_afresh.py",),
+        ("tests/service/grading/test_fresh_process.py",),
     ),
     Breakage(
         "given cells run with modules that the submission has changed",
-        "service/sandbox/guest/cells/given.py",
+        "service/sandbox/guest/cells/unchanged_modules.py",
         "                    space[key] = value",
         "                    space[key] = other",
         ("tests/system/test_imported_notebooks.py",),

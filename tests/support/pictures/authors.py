@@ -7,7 +7,7 @@ from pathlib import Path
 from playwright.sync_api import Browser
 
 from polhode.report import report_html
-from service.grading.files import GradedFile, GradeOptions, GradeRequest, grade_file, start_grader
+from service.grading.grade_file import GradedFile, GradeOptions, GradeRequest, grade_file, start_grader
 from service.sandbox.isolation.select import choose, with_packages
 from service.sandbox.sandbox import Sandbox
 from tests.support import author_pages

@@ -41,7 +41,7 @@ def watched() -> Iterator[None]:
     """
     from matplotlib.animation import Animation
 
-    from polhode.animation.axes_decoration import undecorated
+    from polhode.animation.draw_decoration_once import undecorated
 
     originals = {name: getattr(Animation, name) for name in (*RENDERING, "__init__")}
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from polhode.animation import animate
 from polhode.animation.artists import Drawn, drawn, labelled, painted, unordered
-from polhode.animation.axes_decoration import decorated_once
+from polhode.animation.draw_decoration_once import decorated_once
 from polhode.animation.visibility import Visibility, differ
 from polhode.judging.remarks import remark
 from polhode.judging.return_value import WrongAnswer

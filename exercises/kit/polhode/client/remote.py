@@ -17,7 +17,7 @@ from polhode.client.tokens import authorization
 from polhode.client.transport.http import CONTACT_S, Event, RequestError, call, events
 from polhode.judging.return_value import is_empty
 from polhode.notebook.gather import Bundle, CannotSend, gather, whole_notebook
-from polhode.notebook.outputs import is_notebook, strip_outputs
+from polhode.notebook.strip_outputs import is_notebook, strip_outputs
 from polhode.report.dataclass_json import NotADocument, read
 from polhode.report.report import Report
 

@@ -22,7 +22,7 @@ from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import animation, expression, fit, motions, ode, random, stepper, values, variables
-from polhode.kinds.animation import adopted
+from polhode.kinds.animation import animation_of_cell
 from polhode.kinds.asking import each
 from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 
@@ -71,7 +71,9 @@ def adopt(
         if q and q["kind"] == "animation" and (q["body"] or {}).get("L")
     }
     return {
-        name: made for function in names for name, made in adopted.adopt(function, student, source).items()
+        name: made
+        for function in names
+        for name, made in animation_of_cell.adopt(function, student, source).items()
     }
 
 

@@ -161,7 +161,7 @@ def _badges(outcome: Outcome, *, for_staff: bool) -> list[str]:
     found += ["bonus"] if outcome.bonus else []
     if outcome.self_reported:
         return [*found, SELF_REPORTED]
-    return found if outcome.counted else [*found, "not counted"]
+    return found if outcome.counted else [*found, "no points"]
 
 
 def _row(verdict: Verdict, label: str, found: tuple[str, str], badges: Iterable[str]) -> str:

@@ -20,8 +20,8 @@ from polhode.report.report import Report
 from service.cli.authoring.verify.notebook_agreement import notebook_differences
 from service.cli.authoring.verify.tally import Tally, cpu_warning
 from service.cli.batch_progress import Progress
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.grading.graded_file import GradedFile
 from service.grading.sandbox_job import draw_inputs, truth
 from service.sandbox.isolation.levels import Isolation

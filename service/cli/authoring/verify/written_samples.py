@@ -12,8 +12,8 @@ from polhode.report.report import Report
 from service.cli.authoring.verify.tally import Tally, cpu_warning
 from service.cli.batch_progress import Progress
 from service.cli.output_file import write
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.grading.graded_file import GradedFile
 from service.sandbox.isolation.levels import Isolation
 

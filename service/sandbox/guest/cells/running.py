@@ -16,17 +16,17 @@ from typing import Any
 from polhode.animation import animate
 from polhode.judging.return_value import is_written
 
-from .. import unused_libraries
+from .. import deferred_libraries
 from ..budget import Budget, OutOfTime, limited
 from ..confinement.scratch import end_if_full
 from ..ending import Cause, ending
 from ..wire import Writer
 from .claims import Recorder
-from .given import Given
 from .pieces import is_python, pieces
 from .place import Place
 from .shell_commands import run_command
 from .statements import Attempt, Statements
+from .unchanged_modules import Given
 
 Names = dict[str, Any]
 LEFT_OUT_EXIT = "sys.exit() was left out, and the code after it was run"
@@ -86,7 +86,7 @@ class Cells:
             began = process_time()
             for piece in pieces(source):
                 self._run(piece, name, recorder, published=published)
-            if self._job["notebook"] and not unused_libraries.lacks("matplotlib"):
+            if self._job["notebook"] and not deferred_libraries.lacks("matplotlib"):
                 # as Jupyter does, so that pyplot begins a new figure in the next cell
                 sys.modules["guest.headless_matplotlib"].close_figures()
             if several:
@@ -202,7 +202,7 @@ class Cells:
         """Show the animation that a cell ends with, as a notebook displays it."""
         last = nodes[-1].value if nodes and isinstance(nodes[-1], ast.Expr) else None
         value = self._names.get(last.id) if isinstance(last, ast.Name) else None
-        if unused_libraries.lacks("matplotlib"):
+        if deferred_libraries.lacks("matplotlib"):
             return
         if isinstance(value, sys.modules["matplotlib.animation"].Animation):
             animate.shown[:] = [value]

@@ -9,9 +9,9 @@ import pytest
 from matplotlib import font_manager, get_cachedir
 
 from polhode.judging.judge import Verdict
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
 from service.grading.grade import grade
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.grading.submission import Submission
 from service.sandbox.isolation.guest_files import font_list, packages
 from service.sandbox.isolation.levels import process_isolation

@@ -22,7 +22,7 @@ from polhode.judging.exercise import Animation
 from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import check_signature
-from polhode.kinds.animation.adopted import NOT_OWN, FromCell
+from polhode.kinds.animation.animation_of_cell import NOT_OWN, FromCell
 from polhode.kinds.asking import arguments, call, each_row
 
 SMALL = 0.0  # share of the pixels that must change: a point may be as small as one of them

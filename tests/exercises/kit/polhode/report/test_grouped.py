@@ -188,7 +188,7 @@ def test_the_html_marks_what_a_line_is_worth():
     ]
     page = html(report(lines))
     badges = re.findall(r'<span class="badge">(.*?)</span>', page)
-    assert badges == ["2 of 4 points", "not counted", "self-reported, no points", "bonus"]
+    assert badges == ["2 of 4 points", "no points", "self-reported, no points", "bonus"]
     assert "hidden" not in page
 
 

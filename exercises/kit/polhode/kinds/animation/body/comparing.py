@@ -12,7 +12,7 @@ import numpy as np
 
 from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras
-from polhode.kinds.animation.body import boxes
+from polhode.kinds.animation.body import drawn_boxes
 from polhode.kinds.animation.body.direction import read, resembling
 from polhode.kinds.animation.body.own_view import View, by_own_camera
 from polhode.kinds.animation.body.right_motion import NAMES, Body, Motion
@@ -127,7 +127,7 @@ def _as_it_is(picture: Picture, motion: Motion) -> View:
         if upside_down and motion.unit is not None and picture.keeps(-plain @ motion.unit):
             camera, match = -plain, match._replace(points=-match.points)
         shown = read(match, motion)
-        if shown.found and motion.half is not None and boxes.stays(picture, match, motion.half):
+        if shown.found and motion.half is not None and drawn_boxes.stays(picture, match, motion.half):
             shown = Shown(
                 False, "static", "the box itself stays where it is: draw its corners with R[k] as well"
             )
@@ -165,9 +165,9 @@ def _box(drawn: list[Picture], motion: Motion, *, unsorted: bool) -> Iterator[Sh
         moving = [path.places + path.origin for path in picture.paths]
         sets = picture.sets if unsorted else [np.stack(moving, axis=1)] if len(moving) >= CORNERS else []
         plain, transposed = cameras.plain(picture.dimensions, picture.plane), _mistakes(motion)["transposed"]
-        if found := boxes.box_seen(sets, plain, motion.R, half, motion.frames.laws):
+        if found := drawn_boxes.box_seen(sets, plain, motion.R, half, motion.frames.laws):
             wrong = cameras.mislabelled(picture.plane, found[0])
             right = Shown(True, None, f"the box is drawn, {motion.frames.covered(found[1])}")
             yield Shown(False, "mirrored", wrong) if wrong else right
-        elif boxes.box_seen(sets, plain, transposed.curves, half, motion.frames.laws):
+        elif drawn_boxes.box_seen(sets, plain, transposed.curves, half, motion.frames.laws):
             yield Shown(False, transposed.code, transposed.sentence)

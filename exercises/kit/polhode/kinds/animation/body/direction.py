@@ -5,7 +5,7 @@ axis.
 import numpy as np
 
 from polhode.kinds.animation import cameras, frame_times
-from polhode.kinds.animation.body import boxes
+from polhode.kinds.animation.body import drawn_boxes
 from polhode.kinds.animation.body.right_motion import NAMES, Motion
 from polhode.kinds.animation.cameras import PARALLEL
 from polhode.kinds.animation.frame_times import Array
@@ -25,7 +25,7 @@ def read(match: Match, motion: Motion) -> Shown:
     """Return what the points of ``match`` show: the axis or the body, or another direction."""
     axis, seen = motion.axis, motion.frames.covered(match.times)
     if axis is None:
-        wrong = None if motion.half is None else boxes.wrong_box(match, motion.half, motion.R)
+        wrong = None if motion.half is None else drawn_boxes.wrong_box(match, motion.half, motion.R)
         return wrong or Shown(True, None, f"drawn as it is, {seen}")
     units = match.points / np.maximum(np.linalg.norm(match.points, axis=0), 1e-300)
     if np.any(units[axis] >= ALONG):

@@ -11,7 +11,7 @@ from pathlib import Path
 from exercises.authoring.assignments import validation
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import SweepResult
-from polhode.notebook.outputs import is_notebook
+from polhode.notebook.strip_outputs import is_notebook
 from service.grading.figures import rendering
 from service.grading.grade import Graded, UnknownExercise, grade, select
 from service.grading.graded_file import GradedFile

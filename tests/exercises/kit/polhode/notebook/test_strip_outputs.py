@@ -5,7 +5,7 @@ import json
 import pytest
 
 from polhode.notebook.gather import whole_notebook
-from polhode.notebook.outputs import strip_outputs
+from polhode.notebook.strip_outputs import strip_outputs
 from tests.support.big_notebook import with_outputs
 
 

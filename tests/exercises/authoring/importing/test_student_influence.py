@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.authoring.importing.importing import read_published
-from exercises.authoring.importing.influence import influenced, is_independent, is_shown
+from exercises.authoring.importing.student_influence import influenced, is_independent, is_shown
 from tests.support.course_shape import notebook, written
 
 SETUP = """

@@ -9,9 +9,9 @@ from exercises.authoring.assignments.assignment import Assignment, Inputs
 from polhode.judging.author_errors import UNUSABLE, same_error
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Ended, SceneEnd
-from service.grading.afresh import compare_afresh
 from service.grading.author_errors import MISSING_MODULE, fault
-from service.grading.published.loops import Claims
+from service.grading.fresh_process import compare_afresh
+from service.grading.published.claims_in_loops import Claims
 from service.grading.sandbox_job import truth
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import OnScene, PlayResult, ignore

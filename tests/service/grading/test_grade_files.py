@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from service.formats.source_lines import SourceLines
-from service.grading.batch import grade_files
-from service.grading.files import GradeOptions, GradeRequest
+from service.grading.grade_file import GradeOptions, GradeRequest
+from service.grading.grade_files import grade_files
 from service.sandbox.guest_process import PREFIX
 from service.sandbox.isolation.select import choose
 from tests.support.big_notebook import with_outputs

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from service.pages.course import task
+from service.pages.submission import task
 
 
 def test_each_exercise_has_its_names_points_and_progress(rigid_body):

@@ -290,8 +290,8 @@ def need(code):
     raise Needed
 
 os._exit = need
-from guest import unused_libraries
-unused_libraries.install()
+from guest import deferred_libraries
+deferred_libraries.install()
 kinds = {}
 for module, names in json.load(sys.stdin).items():
     for name in names:

@@ -3,8 +3,8 @@
 import os
 from collections.abc import Callable, Iterator, Sequence
 
-from service.grading.files import GradeOptions, GradeRequest, grade_file, start_grader
 from service.grading.grade import missing_packages, select
+from service.grading.grade_file import GradeOptions, GradeRequest, grade_file, start_grader
 from service.grading.graded_file import GradedFile
 from service.grading.parallel import grade_in_processes
 from service.sandbox.isolation.levels import Isolation

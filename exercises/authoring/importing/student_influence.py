@@ -11,7 +11,7 @@ import functools
 from collections.abc import Collection, Iterator, Sequence
 
 from exercises.authoring.assignments.assignment import PublishedCell
-from exercises.authoring.importing.validation_cells import Placed
+from exercises.authoring.importing.self_reported_checks import Placed
 from polhode.notebook.cell_source import Statement, statements_of
 from polhode.notebook.names import names_in, own_nodes
 

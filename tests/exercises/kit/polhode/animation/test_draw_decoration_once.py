@@ -8,7 +8,7 @@ import pytest
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d.axis3d import Axis
 
-from polhode.animation import animate, animation_recording, axes_decoration
+from polhode.animation import animate, animation_recording, draw_decoration_once
 from polhode.animation.animation_recording import record
 
 CHANGES = {
@@ -79,6 +79,6 @@ def test_nothing_is_replaced_in_a_matplotlib_without_one_of_the_methods():
     class Axis:
         draw = "its own"
 
-    with axes_decoration._replaced(Axis, {"draw_pane": "another", "draw": "another"}):
+    with draw_decoration_once._replaced(Axis, {"draw_pane": "another", "draw": "another"}):
         assert Axis.draw == "its own" and not hasattr(Axis, "draw_pane")
     assert Axis.draw == "its own" and not hasattr(Axis, "draw_pane")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from reference.charts.least import table
+from reference.charts.least_model import table
 
 
 @pytest.mark.slow

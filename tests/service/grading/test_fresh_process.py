@@ -81,13 +81,13 @@ def test_a_function_that_ignores_its_generator_fails_whatever_it_remembers(walks
 
 
 def test_a_submission_without_time_left_is_not_blamed(walks, sandbox, monkeypatch):
-    from service.grading import playing
+    from service.grading import run_in_sandbox
 
     def without_time(job, result, sandbox, budget):
         budget.charge(1000.0, 0.0, 0.0)
         compare(job, result, sandbox, budget)
 
-    compare = playing.compare_afresh
-    monkeypatch.setattr(playing, "compare_afresh", without_time)
+    compare = run_in_sandbox.compare_afresh
+    monkeypatch.setattr(run_in_sandbox, "compare_afresh", without_time)
     _, found = repeated(walks, sandbox, WALK.format(draw="rng.random((walkers, steps))"))
     assert {o.verdict for o in found} == {Verdict.PASS}

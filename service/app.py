@@ -35,11 +35,11 @@ from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import LoginRateLimiter
 from service.http import errors, middleware, openapi
-from service.http.live import ChangeFeed, Listener
+from service.http.live_updates import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import account, api_reference, login, queue, regrades, speed_vs_accuracy
 from service.pages.class_view import assignment_rules, class_pages
-from service.pages.course import audit_log, first_run, home, imported_lines, setup
+from service.pages.course import audit_log, first_instructor, home, imported_lines, setup
 from service.pages.course import settings as course_settings
 from service.pages.people import editing, extensions, listing, roster, view_as
 from service.pages.rejected_forms import form_state
@@ -67,7 +67,7 @@ PAGES = (
     home.router,
     audit_log.router,
     own_submissions.router,
-    first_run.router,
+    first_instructor.router,
     setup.router,
     view_as.router,
     listing.router,

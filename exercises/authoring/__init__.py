@@ -18,7 +18,7 @@ from exercises.authoring.kinds.expression import symbol
 from exercises.authoring.kinds.random import generator, seed
 from exercises.authoring.kinds.stepper import euler, heun, midpoint, rk4, tableau
 from exercises.authoring.notebook import Notebook
-from exercises.authoring.questions.argument_types import Value
+from exercises.authoring.questions.author_arguments import Value
 from exercises.authoring.tolerances import absolute, at_most, close, relative
 
 __all__ = [

@@ -9,7 +9,7 @@ from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.asked_solution import Asked, DeclarationError
 from exercises.authoring.draws import JointDraw, between
-from exercises.authoring.importing.lines import Line
+from exercises.authoring.importing.validation_lines import Line
 from exercises.authoring.kinds.animation import animation, body_animation
 from exercises.authoring.kinds.expression import expression
 from exercises.authoring.kinds.fit import fit
@@ -17,7 +17,7 @@ from exercises.authoring.kinds.ode import ode
 from exercises.authoring.kinds.random import estimate, samples
 from exercises.authoring.kinds.stepper import stepper
 from exercises.authoring.kinds.values import values
-from exercises.authoring.questions.argument_types import Value
+from exercises.authoring.questions.author_arguments import Value
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NoSolution, NotebookSolution, Solutions
 from polhode.judging.outcome import Tolerance

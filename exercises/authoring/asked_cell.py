@@ -9,7 +9,7 @@ from typing import Any
 
 from exercises.authoring.asked_solution import AskedSolution, DeclarationError
 from exercises.authoring.kinds.variables import Claim, variables
-from exercises.authoring.questions.argument_types import Value
+from exercises.authoring.questions.author_arguments import Value
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.outcome import Tolerance

@@ -13,7 +13,7 @@ from typing import Any
 from exercises.authoring.asked_solution import Asked, AskedSolution, DeclarationError
 from exercises.authoring.draws import JointDraw
 from exercises.authoring.kinds.dynamics import Driven, Dynamics, HiddenMotion, Motion, chart
-from exercises.authoring.questions.argument_types import tolerance_data
+from exercises.authoring.questions.author_arguments import tolerance_data
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.outcome import Tolerance

@@ -16,10 +16,10 @@ import numpy as np
 
 from exercises.authoring.draws import JointDraw
 from exercises.authoring.kinds.values import of_expression
-from exercises.authoring.questions.argument_types import Itself, Mistake, Value
+from exercises.authoring.portable_source import WrittenMistake, source_of
+from exercises.authoring.questions.author_arguments import Itself, Mistake, Value
 from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 from exercises.authoring.solutions import NotebookSolution
-from exercises.authoring.written_mistakes import WrittenMistake, source_of
 from polhode.judging.outcome import Tolerance
 
 Function = Callable[..., Any]

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exercises.authoring.assignments.assignment import Assignment, Sweep
-from exercises.authoring.importing.lines import Line
 from exercises.authoring.importing.self_reported_checks import (
     line_errors,
     published_cells,
     reported_exercises,
 )
-from exercises.authoring.importing.words import course_packages, course_words
+from exercises.authoring.importing.validation_lines import Line
+from exercises.authoring.importing.validation_words import course_packages, course_words
 from exercises.authoring.publishing import publish
 from exercises.authoring.publishing.publish import Section
 from exercises.authoring.questions import author_notebook
@@ -23,8 +23,8 @@ from exercises.authoring.questions.question_errors import question_errors
 from polhode.kinds import exercise as expand_exercise
 
 if TYPE_CHECKING:
-    from exercises.authoring.mutants.mistakes import MadeSample
     from exercises.authoring.mutants.solution import Variant
+    from exercises.authoring.mutants.variants import MadeSample
 
 PLAYS = "\nfrom polhode.kinds import adopt, play\n"
 """The functions that play the scenes of questions, which are data."""
@@ -119,18 +119,18 @@ class Declaration:
     # them.
 
     def _made_samples(self) -> "Iterable[MadeSample]":
-        from exercises.authoring.mutants.mistakes import made_samples
+        from exercises.authoring.mutants.variants import made_samples
 
         made = made_samples(self._numbered(), self.folder / self.notebook) if self.questions() else ()
         return (one for one in made if not (self.folder / "samples" / one.name).is_file())
 
     def _variants(self, id: str) -> "list[Variant]":
-        from exercises.authoring.mutants.mistakes import variants_of
+        from exercises.authoring.mutants.variants import variants_of
 
         return variants_of(*self._with_source_before(id))
 
     def _pairs(self, id: str) -> "list[Variant]":
-        from exercises.authoring.mutants.mistakes import pairs_of
+        from exercises.authoring.mutants.variants import pairs_of
 
         return pairs_of(*self._with_source_before(id))
 
@@ -139,7 +139,7 @@ class Declaration:
 
     def _with_source_before(self, id: str) -> tuple[Question, str]:
         """Return the question ``id`` and the source of the right solutions of those before it."""
-        from exercises.authoring.mutants.mistakes import source_before
+        from exercises.authoring.mutants.variants import source_before
 
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from exercises.authoring.questions.argument_types import SHORT, Draw, Family, Value
-from exercises.authoring.written_mistakes import source_of
+from exercises.authoring.portable_source import source_of
+from exercises.authoring.questions.author_arguments import SHORT, Draw, Family, Value
 from polhode.judging.outcome import Tolerance
 
 
@@ -81,7 +81,7 @@ def expression(text: str, *, of: str, **given: Any) -> Family:
     """Return a function argument: the expression ``text`` of the variables ``of``, such as "t y".
 
     ``given`` are its parameters: constants, or draws. The expression may use the functions of
-    ``polhode.kinds.asking.MATHEMATICS``.
+    ``polhode.kinds.student_calls.MATHEMATICS``.
 
     >>> expression("-k * x", of="t x", k=between(1, 2)).over
     ('t', 'x')
@@ -94,7 +94,7 @@ def function(defined: FunctionType, **given: Any) -> Family:
     that are not ``given``, as constants or draws.
 
     What it uses (imports, constants, functions of the file) goes into the sandbox with it. Raises
-    ``exercises.authoring.written_mistakes.NotPortable`` if something has no source.
+    ``exercises.authoring.portable_source.NotPortable`` if something has no source.
     """
     over = [name for name in inspect.signature(defined).parameters if name not in given]
     return Family(source_of(defined), tuple(over), given)

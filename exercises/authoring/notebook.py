@@ -20,9 +20,9 @@ from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.asked_solution import Asked
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.codes import CODES
 from exercises.authoring.declaration import Declaration
 from exercises.authoring.declaration_errors import raised
+from exercises.authoring.diagnosis_codes import CODES
 from exercises.authoring.draws import Drawing, JointDraw, ListDraw
 from exercises.authoring.points import with_points, without_points
 from exercises.authoring.questions import author_notebook

@@ -15,7 +15,7 @@ from typing import Any
 
 from exercises.authoring.questions import author_notebook
 from exercises.authoring.questions.author_notebook import Cell
-from polhode.notebook.cell_source import DEFINITION, Statement, statements_of
+from polhode.notebook.cell_to_python import DEFINITION, Statement, statements_of
 
 _WORKING_FOLDER = threading.RLock()
 """Held while a Setup runs: a process has one working folder."""

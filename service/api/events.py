@@ -8,7 +8,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.figure_renderer import Renderer
 from service.api.submissions import Submission
-from service.http.live import Listener
+from service.http.live_updates import Listener
 from service.http.openapi import PERSON, problems
 from service.http.state import Held
 from service.store.database import is_outage

@@ -13,7 +13,7 @@ from service.grading.figures.rendering import FORMATS
 from service.grading.figures.rendering import find as find_figure
 from service.grading.graded_file import ARRAYS
 from service.http.errors import Problem
-from service.http.live import Listener
+from service.http.live_updates import Listener
 from service.http.openapi import PERSON, media, problems
 from service.http.state import Db, Held
 from service.store.submissions import speed_vs_accuracy

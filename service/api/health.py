@@ -8,7 +8,7 @@ from fastapi.responses import JSONResponse
 
 from exercises.authoring.assignments import course_packages
 from exercises.authoring.assignments.catalogue import load_catalogue
-from service.api.answers import Ready
+from service.api.response_models import Ready
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
 from service.http.state import Db, Held

@@ -7,8 +7,8 @@ import asyncio
 from fastapi import APIRouter, Request, Response
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.publishing import public_side, wheel
-from polhode.client import build
+from exercises.authoring.publishing import public_assignment, wheel
+from polhode.client import kit_hash
 from service.api.submissions import Available
 from service.http.errors import Problem
 from service.http.openapi import media, problems
@@ -24,10 +24,10 @@ async def kit(name: str) -> Response:
 
     Its name changes only if old notebooks stop working with it.
     """
-    if name != build.WHEEL:
-        raise Problem(404, "not-found", f"there is no kit {name}: it is /kit/{build.WHEEL}")
+    if name != kit_hash.WHEEL:
+        raise Problem(404, "not-found", f"there is no kit {name}: it is /kit/{kit_hash.WHEEL}")
     content = await asyncio.to_thread(wheel.wheel)
-    headers = {"Cache-Control": "no-cache", "ETag": f'"{build.build()}"'}
+    headers = {"Cache-Control": "no-cache", "ETag": f'"{kit_hash.build()}"'}
     return Response(content, media_type=WHEEL, headers=headers)
 
 
@@ -42,11 +42,11 @@ async def public(assignment: Available, request: Request) -> Response:
 
     With ``If-None-Match`` the answer is 304 if they have not changed.
     """
-    tag = f'"{await asyncio.to_thread(public_side.build, assignment.slug)}"'
+    tag = f'"{await asyncio.to_thread(public_assignment.build, assignment.slug)}"'
     headers = {"Cache-Control": "no-cache", "ETag": tag}
     if request.headers.get("if-none-match") == tag:
         return Response(status_code=304, headers=headers)
-    content = await asyncio.to_thread(public_side.archive, assignment.slug)
+    content = await asyncio.to_thread(public_assignment.archive, assignment.slug)
     return Response(content, media_type=WHEEL, headers=headers)
 
 
@@ -64,4 +64,4 @@ async def notebook(assignment: Available, server: PublicAddress) -> Response:
 
 def notebook_for(assignment: Assignment, server: str) -> bytes:
     """Return the notebook with the address of the ``server`` and what code on it can import."""
-    return wheel.notebook(assignment, server, f"{server}/kit/{build.WHEEL}")
+    return wheel.notebook(assignment, server, f"{server}/kit/{kit_hash.WHEEL}")

@@ -9,7 +9,7 @@ from itertools import zip_longest
 from fastapi import APIRouter
 
 from polhode.judging.judge import MARKS, Verdict
-from service.api import answers
+from service.api import response_models
 from service.api.submissions import Available
 from service.auth.identity import STAFF, Person, Reader
 from service.http.openapi import PERSON, problems
@@ -31,14 +31,14 @@ router = APIRouter(tags=["Submissions"])
         }
     ),
 )
-async def list_own(assignment: Available, person: Reader, database: Db) -> answers.History:
+async def list_own(assignment: Available, person: Reader, database: Db) -> response_models.History:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
     the best and last ids, and the person's own deadline and number of submissions.
     """
     found = [_released(person, one) for one in await past_submissions(database, person.name, assignment.slug)]
     graded = [one for one in found if one.points is not None]
     best = max(graded, key=lambda one: one.final or 0, default=None)  # the newest of equals
-    return answers.History(
+    return response_models.History(
         assignment=assignment.slug,
         max_points=assignment.max_points(),
         bonus_points=assignment.bonus_points(),
@@ -56,16 +56,16 @@ def _released(person: Person, one: PastSubmission) -> PastSubmission:
     return replace(one, score=None, max_score=None, total=None, points=None, penalty=0, verdicts={})
 
 
-def _answers(found: Sequence[PastSubmission]) -> list[answers.Past]:
+def _answers(found: Sequence[PastSubmission]) -> list[response_models.Past]:
     return [
-        answers.Past(
+        response_models.Past(
             **asdict(one), final=one.final, changed=None if earlier is None else _changed(earlier, one)
         )
         for one, earlier in zip_longest(found, found[1:])
     ]
 
 
-def _changed(earlier: PastSubmission, later: PastSubmission) -> answers.Changed:
+def _changed(earlier: PastSubmission, later: PastSubmission) -> response_models.Changed:
     common = sorted(earlier.verdicts.keys() & later.verdicts.keys())
     changed = {
         id: [earlier.verdicts[id], later.verdicts[id]]
@@ -81,7 +81,7 @@ def _changed(earlier: PastSubmission, later: PastSubmission) -> answers.Changed:
         f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in [*kinds.items(), *added.items()]
     ]
     summary = "; ".join([_difference(earlier, later), *counts])
-    return answers.Changed(checks=changed, summary=summary)
+    return response_models.Changed(checks=changed, summary=summary)
 
 
 def _difference(earlier: PastSubmission, later: PastSubmission) -> str:

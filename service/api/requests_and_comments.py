@@ -7,7 +7,7 @@ from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, Field, StringConstraints
 
 from polhode.report.student_line import BREAK
-from service.api import answers
+from service.api import response_models
 from service.api.submissions import Assigned, Submission
 from service.auth.identity import STAFF, Person, Reader, Submitter
 from service.http.errors import Problem
@@ -70,7 +70,7 @@ WritingStaff = Annotated[Person, Depends(_writing_staff)]
 
 
 @router.get("/v1/submissions/{id}/regrade-requests", responses=problems(STORED))
-async def list_requests(stored: Submission, database: Db) -> list[answers.RegradeRequest]:
+async def list_requests(stored: Submission, database: Db) -> list[response_models.RegradeRequest]:
     """Return the regrade requests about a submission, oldest first."""
     return [_request(one) for one in await regrade_requests.of_submission(database, stored.id)]
 
@@ -82,7 +82,7 @@ async def list_requests(stored: Submission, database: Db) -> list[answers.Regrad
 )
 async def create_request(
     person: Submitter, stored: Submission, body: NewRequest, database: Db
-) -> answers.RegradeRequest:
+) -> response_models.RegradeRequest:
     """Request a regrade of one's own submission."""
     return _request(await request_regrade(database, person, stored, body.reason, body.check))
 
@@ -93,22 +93,22 @@ async def create_request(
 )
 async def list_of_assignment(
     person: ReadingStaff, assignment: Assigned, database: Db
-) -> list[answers.ListedRegradeRequest]:
+) -> list[response_models.ListedRegradeRequest]:
     """Return the latest 500 regrade requests about an assignment to the course staff, open ones first."""
     rows = await regrade_requests.of_assignment(database, assignment.slug)
-    return [answers.ListedRegradeRequest(**row._asdict()) for row in rows]
+    return [response_models.ListedRegradeRequest(**row._asdict()) for row in rows]
 
 
 @router.post("/v1/regrade-requests/{request}/answer", responses=problems(SENT | {409: "changed-meanwhile"}))
 async def create_answer(
     person: WritingStaff, request: str, body: NewAnswer, database: Db
-) -> answers.RegradeRequest:
+) -> response_models.RegradeRequest:
     """Accept or decline an open regrade request. This does not change points: override them, or regrade."""
     return _request(await answer_request(database, person, request, body.status, body.answer))
 
 
 @router.get("/v1/submissions/{id}/comments", responses=problems(STORED))
-async def list_comments(stored: Submission, database: Db) -> list[answers.Comment]:
+async def list_comments(stored: Submission, database: Db) -> list[response_models.Comment]:
     """Return the comments on a submission in the order of its lines."""
     return [_comment(one) for one in await comments.of_submission(database, stored.id)]
 
@@ -116,7 +116,7 @@ async def list_comments(stored: Submission, database: Db) -> list[answers.Commen
 @router.post("/v1/submissions/{id}/comments", status_code=201, responses=problems(SENT))
 async def create_comment(
     person: Submitter, stored: Submission, body: NewComment, database: Db
-) -> answers.Comment:
+) -> response_models.Comment:
     """Write a comment on a line of a submission, which the student can read. The student who submitted can
     answer on a line that has a comment.
     """
@@ -214,9 +214,9 @@ async def delete_comment(database: Db, person: Person, stored: SubmissionRecord,
         raise Problem(404, "not-found", "no comment with this id: reload the page")
 
 
-def _request(one: RegradeRequest) -> answers.RegradeRequest:
-    return answers.RegradeRequest(**asdict(one))
+def _request(one: RegradeRequest) -> response_models.RegradeRequest:
+    return response_models.RegradeRequest(**asdict(one))
 
 
-def _comment(one: Comment) -> answers.Comment:
-    return answers.Comment(**asdict(one))
+def _comment(one: Comment) -> response_models.Comment:
+    return response_models.Comment(**asdict(one))

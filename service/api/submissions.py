@@ -15,19 +15,19 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment, NoAssignment
 from exercises.authoring.assignments.catalogue import assignments, find
-from exercises.authoring.importing.lines import is_self_reported
-from polhode.client import build as kit
+from exercises.authoring.importing.validation_lines import is_self_reported
+from polhode.client import kit_hash as kit
 from polhode.report.dataclass_json import document
 from polhode.report.report import Report
-from service.api import answers, parse_submission
+from service.api import parse_submission, response_models
 from service.api.health import WorkerStatus
-from service.api.release import NOT_RELEASED, visible
+from service.api.visible_results import NOT_RELEASED, visible
 from service.auth.identity import STAFF, Person, Reader, Submitter, Visitor
 from service.auth.roles import OptionalUser
 from service.formats import junit
 from service.grading.graded_file import GradedFile
 from service.http.errors import Problem
-from service.http.live import Listener
+from service.http.live_updates import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.http.requests import identifier
 from service.http.state import Config, Db, Held
@@ -102,7 +102,7 @@ Submission = Annotated[SubmissionRecord, Depends(_submission)]
 
 
 @catalogue.get("/v1/assignments", responses=problems({}))
-async def list_assignments(visitor: Visitor, database: Db) -> list[answers.Named]:
+async def list_assignments(visitor: Visitor, database: Db) -> list[response_models.Named]:
     """Return slug, title and version of every assignment, and ``available_from`` if that is still to come.
 
     Only the course staff gets drafts.
@@ -110,7 +110,9 @@ async def list_assignments(visitor: Visitor, database: Db) -> list[answers.Named
     staff = isinstance(visitor, Person) and visitor.role in STAFF
     closed = await assignment_settings.unavailable(database)
     return [
-        answers.Named(slug=a.slug, title=a.title, version=a.version, available_from=closed.get(a.slug))
+        response_models.Named(
+            slug=a.slug, title=a.title, version=a.version, available_from=closed.get(a.slug)
+        )
         for a in assignments().values()
         if staff or closed.get(a.slug, True) is not None
     ]
@@ -120,20 +122,20 @@ async def list_assignments(visitor: Visitor, database: Db) -> list[answers.Named
     "/v1/assignments/{slug}",
     responses=problems({403: "not-available", 404: "not-found", 503: "assignment-broken"}),
 )
-async def show_assignment(assignment: Available) -> answers.Described:
+async def show_assignment(assignment: Available) -> response_models.Described:
     """Return the exercises with their functions and checks; each check has its tolerance, the reason
     for it, and ``hidden``.
     """
     slug = assignment.slug
     sections = [
-        answers.Exercise(
+        response_models.Exercise(
             number=e.number,
             title=e.title,
             functions=list(e.functions),
             optional=list(e.optional),
             variables=list(e.variables),
             checks=[
-                answers.Check(
+                response_models.Check(
                     id=c.id,
                     label=c.label,
                     hidden=assignment.hidden(c),
@@ -147,7 +149,7 @@ async def show_assignment(assignment: Available) -> answers.Described:
         )
         for e in assignment.exercises
     ]
-    return answers.Described(
+    return response_models.Described(
         slug=slug,
         title=assignment.title,
         version=assignment.version,
@@ -266,12 +268,12 @@ Stored = Annotated[Accepted, Depends(store_submission)]
 @router.post(
     "/v1/assignments/{slug}/submissions",
     status_code=202,
-    response_model=answers.Submission,
+    response_model=response_models.Submission,
     response_description="Stored",
     responses=also(
         200,
         "Graded within the time to wait, or the last submission, which this one repeats",
-        answers.Submission,
+        response_models.Submission,
     )
     | problems(SUBMIT_PROBLEMS),
     openapi_extra={"requestBody": SUBMIT_BODY},
@@ -290,7 +292,7 @@ async def submit(
     """
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
     given = {name: getattr(accepted, name) for name in ("id", "submitted_at", "late", "sha256")}
-    queued = answers.Submission(**given, status="queued", report=None)
+    queued = response_models.Submission(**given, status="queued", report=None)
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return _response(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
@@ -309,7 +311,7 @@ async def submit(
     return _response(_document(found), 202, {"Location": location, "Retry-After": "1"})
 
 
-def _response(submission: answers.Submission, status: int, headers: dict[str, str]) -> JSONResponse:
+def _response(submission: response_models.Submission, status: int, headers: dict[str, str]) -> JSONResponse:
     return JSONResponse(submission.model_dump(mode="json", exclude_unset=True), status, headers)
 
 
@@ -335,14 +337,15 @@ async def _accept(
 @router.get(
     "/v1/submissions/{id}", response_model_exclude_unset=True, responses=problems(PERSON | {404: "not-found"})
 )
-async def show_submission(stored: Submission, database: Db) -> answers.Submission:
+async def show_submission(stored: Submission, database: Db) -> response_models.Submission:
     """Return the status of a submission, its report if graded, and the staff's overrides, answers and
     comments.
     """
     given = [] if stored.withheld else await overrides.of_submission(database, stored.id)
     in_force = [one for one in given if one.in_force]
     listed = [
-        answers.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at) for o in in_force
+        response_models.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at)
+        for o in in_force
     ]
     feedback = {
         "regrade_requests": [
@@ -354,7 +357,7 @@ async def show_submission(stored: Submission, database: Db) -> answers.Submissio
     return _document(stored, **more, **{name: rows for name, rows in feedback.items() if rows})
 
 
-def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
+def _document(stored: SubmissionRecord, **more: Any) -> response_models.Submission:
     more |= {"system_fault": stored.fault} if stored.fault else {}
     more |= {"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {}
     more |= {name: getattr(stored, name) for name in ("id", "status", "submitted_at", "late")}
@@ -362,7 +365,7 @@ def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
     if stored.points is not None and stored.penalty:
         more |= {"penalty": stored.penalty, "final": stored.final}
     report = document(stored.report) if stored.report else None
-    return answers.Submission(**more, sha256=stored.submission.sha256, report=report)
+    return response_models.Submission(**more, sha256=stored.submission.sha256, report=report)
 
 
 async def _wait(database: Db, listener: Listener, accepted: Accepted, seconds: float) -> SubmissionRecord:

@@ -13,7 +13,7 @@ from typing import Any
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import ExerciseReport, Outcome, Picture
-from polhode.report import cause, grouped
+from polhode.report import failure_causes, report_overview
 from polhode.report.report import Report
 from service.formats import VISIBILITIES, VISIBLE
 from service.formats.check_text import (
@@ -91,7 +91,9 @@ def _causes(report: Report, hidden: str) -> str:
         replace(e, outcomes=[o for o in e.outcomes if hidden == VISIBLE or not o.hidden])
         for e in report.exercises
     ]
-    return cause.text(grouped.overview(shown, report.scene_ends, report.suspect_lines).causes)
+    return failure_causes.text(
+        report_overview.overview(shown, report.scene_ends, report.suspect_lines).causes
+    )
 
 
 def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) -> Iterator[dict[str, Any]]:

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.lines import reported_lines
+from exercises.authoring.importing.validation_lines import reported_lines
 from polhode.judging.checks import Arrays
 from polhode.judging.claims import Claim, NotebookCheck
 from polhode.judging.exercise import Exercise, attempted
-from polhode.report.cause import suspect_lines
+from polhode.report.failure_causes import suspect_lines
 from polhode.report.report import Provenance, Report, pictures
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used

@@ -5,7 +5,7 @@ import time
 from collections.abc import Collection
 
 from exercises.authoring.assignments.assignment import Assignment, Sweep
-from exercises.authoring.assignments.sweep import compared
+from exercises.authoring.assignments.speed_vs_accuracy import compared
 from polhode.judging.outcome import SweepResult
 from polhode.report.dataclass_json import document
 from polhode.report.report import Report

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from exercises.authoring.assignments.assignment import Assignment, Scene
-from exercises.authoring.importing.lines import ReportedLine
+from exercises.authoring.importing.validation_lines import ReportedLine
 from polhode.judging.checks import Check
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict

@@ -10,9 +10,9 @@ from polhode.judging.author_errors import UNUSABLE, same_error
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Ended, SceneEnd
 from service.grading.author_errors import MISSING_MODULE, fault
-from service.grading.fresh_process import compare_afresh
 from service.grading.published.claims_in_loops import Claims
 from service.grading.sandbox_job import truth
+from service.grading.seed_repeatability import compare_afresh
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import OnScene, PlayResult, ignore
 from service.sandbox.sandbox import Sandbox

@@ -10,7 +10,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from service.auth.forms import Form
 from service.auth.roles import Staff
 from service.http.errors import Problem
-from service.http.live import ChangeFeed
+from service.http.live_updates import ChangeFeed
 from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates

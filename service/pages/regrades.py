@@ -16,7 +16,7 @@ from service.auth.forms import Form, field
 from service.auth.roles import Instructor, Staff
 from service.grading.graded_file import MARKS, WORDS
 from service.http.errors import Problem
-from service.http.live import ChangeFeed, Listener
+from service.http.live_updates import ChangeFeed, Listener
 from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates

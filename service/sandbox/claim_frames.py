@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from polhode.judging.claims import MOST_DETAIL, MOST_LABEL, Claim, kind_of, one_line
 from polhode.judging.judge import Judgement, Verdict
-from service.sandbox.guest.cells.claims import MOST_AXES, MOST_IN_FIELD, MOST_NUMBERS
+from service.sandbox.guest.cells.claim_recorder import MOST_AXES, MOST_IN_FIELD, MOST_NUMBERS
 
 MOST_BYTES = 8 * MOST_NUMBERS + (1 << 16)
 MOST_BLOCK = 2 * 16 * MOST_NUMBERS  # bytes: of two arrays of complex numbers

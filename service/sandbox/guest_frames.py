@@ -2,9 +2,9 @@
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event.
 Kind ``A`` are all arrays of the scene in progress: header length (2 bytes), JSON header of shapes by name,
-then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claims.py), which blocks
-of numbers, kind ``D``, may follow. The host
-knows which arrays a scene returns, their element type and largest shape; anything else violates the protocol.
+then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claim_frames.py), which
+blocks of numbers, kind ``D``, may follow. The host knows which arrays a scene returns, their element type and
+largest shape; anything else violates the protocol.
 """
 
 import functools
@@ -22,7 +22,7 @@ from polhode.judging.claims import Claim
 from polhode.judging.outcome import Ended, SceneEnd
 from polhode.judging.remarks import MOST_REMARKS, Absent, Notes
 from service.sandbox import claim_frames
-from service.sandbox.guest.cells.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
+from service.sandbox.guest.cells.claim_recorder import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
 from service.sandbox.guest.cells.place import Place
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job

@@ -45,7 +45,8 @@ class Cell:
 class FunctionsApart:
     """Functions that a scene's rows pass to the submission and that another process answers and counts:
     ``families`` by name, as in a question (polhode.kinds), and the ``inputs`` along the rows that only they
-    use. ``units`` has for each row the numbers that one call may have (``polhode.kinds.asking.evaluations``).
+    use. ``units`` has for each row the numbers that one call may have
+    (``polhode.kinds.student_calls.evaluations``).
     """
 
     families: Mapping[str, Mapping[str, Any]]

@@ -34,7 +34,7 @@ from service.store.queue.jobs import FIRST, LATER, SLOW, first_gradings_wait, ne
 from service.store.schema import WrongSchema, check_schema
 from service.store.submissions import speed_vs_accuracy
 from service.store.submissions.artefacts import store_artefacts
-from service.workers.pace import Pace, Stopwatch
+from service.workers.grading_pace import Pace, Stopwatch
 
 log = logging.getLogger(__name__)
 HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping rounds per lease

@@ -11,7 +11,9 @@ import pytest
 from exercises.authoring.assignments.catalogue import find
 from tests.support.axe import wrong
 
-pytestmark = pytest.mark.slow  # tests/service/pages/course/test_first_run.py and test_setup.py have the rules
+pytestmark = (
+    pytest.mark.slow
+)  # tests/service/pages/course/test_first_instructor.py and test_setup.py have the rules
 PASSWORD = "correct horse battery"
 OWN = "/assignments/rigid-body"
 DUE = (datetime.now(UTC) + timedelta(days=7)).strftime("%Y-%m-%dT%H:%M")

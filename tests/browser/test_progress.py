@@ -8,7 +8,7 @@ from service.store.queue import runs
 from tests.support.database import entered, run, sql
 from tests.support.submissions import claim, grade
 
-pytestmark = pytest.mark.slow  # tests/service/http/test_live.py has the events
+pytestmark = pytest.mark.slow  # tests/service/http/test_live_updates.py has the events
 
 DROP = """files => {
     const dataTransfer = new DataTransfer();

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 
 pytestmark = pytest.mark.slow  # it starts a browser and downloads 6 MB
 PYODIDE = "pyodide@314.0.7"

@@ -13,7 +13,7 @@ from exercises.authoring.assignments.catalogue import find
 from exercises.integrators import assignment as author
 from polhode.kinds import play
 from polhode.kinds import stepper as kit
-from polhode.kinds.asking import expression
+from polhode.kinds.student_calls import expression
 from service.grading.figures import rendering
 from service.grading.grader import Grader
 from service.grading.submission import Submission

@@ -6,7 +6,7 @@ import pytest
 
 from exercises.waves import assignment as author
 from polhode.judging.return_value import WrongAnswer
-from polhode.kinds.asking import expression
+from polhode.kinds.student_calls import expression
 from tests.support.toolbox import failed, judged
 
 ALL = list(author.notebook.questions())

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from exercises.authoring.assignments.samples import samples
-from exercises.authoring.codes import CODES
+from exercises.authoring.diagnosis_codes import CODES
 from polhode.judging import checks
 from service import app
 from service.grading.submission import SizeLimits

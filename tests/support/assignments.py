@@ -8,7 +8,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments import catalogue, course_packages
 from exercises.authoring.assignments.catalogue import load_catalogue
-from exercises.authoring.publishing import public_side
+from exercises.authoring.publishing import public_assignment
 
 TEMPLATE = Path(__file__).parents[1] / "assignments" / "damped_oscillator"
 
@@ -51,8 +51,8 @@ def _forget_what_depends_on_it():
         load_catalogue,
         catalogue._load,
         course_packages._errors,
-        public_side.build,
-        public_side.archive,
-        public_side._content,
+        public_assignment.build,
+        public_assignment.archive,
+        public_assignment._content,
     ):
         cached.cache_clear()

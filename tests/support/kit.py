@@ -4,7 +4,7 @@ import io
 import os
 import zipfile
 
-from exercises.authoring.publishing import public_side, wheel
+from exercises.authoring.publishing import public_assignment, wheel
 from polhode.client import cache
 
 
@@ -14,7 +14,7 @@ def installed(folder, *slugs, server=""):
         archive.extractall(folder / "kit")
     for slug in slugs:
         home = folder / "cache" / "polhode" / "assignments" / slug.replace("-", "_")
-        cache.store(home, public_side.archive(slug), server)
+        cache.store(home, public_assignment.archive(slug), server)
     return folder / "kit"
 
 

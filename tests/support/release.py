@@ -20,7 +20,7 @@ import urllib.request
 import zipfile
 from pathlib import Path
 
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from service.cli.server.demo import free_port
 from tests.support.checkout import ROOT
 from tests.support.pictures import shown

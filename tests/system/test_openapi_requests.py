@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from schemathesis import GenerationMode
 from schemathesis.checks import CHECKS, load_all_checks
 
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from polhode.judging.outcome import SweepResult
 from polhode.report.dataclass_json import document
 from polhode.report.report import Picture

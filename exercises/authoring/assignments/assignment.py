@@ -125,10 +125,10 @@ class Assignment:
     is more than 512.
 
     ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right
-    solution and wrong ones of a question by its id (exercises.authoring.mutants.mistakes.Variant), ``pairs``
-    those with two changes, ``source_before`` the right
-    solutions of the questions before it, and ``made_samples`` the samples that follow from the declaration
-    (exercises.authoring.mutants.mistakes.MadeSample). ``notebook`` returns the students' notebook.
+    solution and wrong ones of a question by its id (exercises.authoring.mutants.solution.Variant), ``pairs``
+    those with two changes, ``source_before`` the right solutions of the questions before it, and
+    ``made_samples`` the samples that follow from the declaration
+    (exercises.authoring.mutants.variants.MadeSample). ``notebook`` returns the students' notebook.
     ``published`` are its code cells, if the server runs those that are given in place of the student's
     copies.
     """

@@ -16,9 +16,9 @@ import exercises
 from exercises.authoring.assignments import validation
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.course_imports import distributions
-from exercises.authoring.assignments.index import IndexedAssignment, read_index, write_index
+from exercises.authoring.assignments.listing_index import IndexedAssignment, read_index, write_index
 from exercises.authoring.assignments.validation import format_error, syntax_errors
-from exercises.authoring.importing.words import COURSE_FOLDER
+from exercises.authoring.importing.validation_words import COURSE_FOLDER
 from exercises.authoring.notebook import Notebook
 
 SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"

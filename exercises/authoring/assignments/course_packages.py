@@ -13,7 +13,7 @@ from pathlib import Path
 from exercises.authoring.assignments import catalogue
 from exercises.authoring.assignments.catalogue import course_folders
 from exercises.authoring.assignments.course_imports import ALWAYS
-from exercises.authoring.importing.words import COURSE_FOLDER
+from exercises.authoring.importing.validation_words import COURSE_FOLDER
 from polhode.judging.claims import words_in
 
 LEFT_OUT = "__pycache__"

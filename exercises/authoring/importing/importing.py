@@ -11,7 +11,7 @@ from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.importing.requirements import dependencies
 from exercises.authoring.importing.self_reported_checks import Placed, placed_calls, published_cells
 from exercises.authoring.importing.titles import notebook_title
-from exercises.authoring.importing.words import words
+from exercises.authoring.importing.validation_words import words
 from exercises.authoring.questions.author_notebook import SOLUTION, InvalidNotebook, errors, read
 
 NEWER = f" (this is Python {platform.python_version()}: newer syntax needs a server with a newer one)"

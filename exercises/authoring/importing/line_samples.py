@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.lines import Line, reported_lines
+from exercises.authoring.importing.validation_lines import Line, reported_lines
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
-from polhode.notebook.cell_source import statements_of
+from polhode.notebook.cell_to_python import statements_of
 from polhode.report.report import Report
 
 UNTOUCHED, COPIED, SOLVED = "untouched.ipynb", "copied_values.ipynb", "your_solutions.ipynb"

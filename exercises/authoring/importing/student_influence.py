@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.importing.self_reported_checks import Placed
-from polhode.notebook.cell_source import Statement, statements_of
+from polhode.notebook.cell_to_python import Statement, statements_of
 from polhode.notebook.names import names_in, own_nodes
 
 TO_BE_CHANGED = {

@@ -7,9 +7,9 @@ import functools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from exercises.authoring.importing.words import Word, Words
+from exercises.authoring.importing.validation_words import Word, Words
 from polhode.judging.claims import kind_of
-from polhode.notebook.cell_source import python_of
+from polhode.notebook.cell_to_python import python_of
 
 LIMIT = "limit"  # the second parameter, whatever a package calls it
 LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)

@@ -9,7 +9,7 @@ from inspect import BoundArguments, Parameter
 from types import GenericAlias
 from typing import Any
 
-from exercises.authoring.questions.argument_types import Positive, Rows, type_errors
+from exercises.authoring.questions.author_arguments import Positive, Rows, type_errors
 from exercises.authoring.questions.question import HIDDEN_ROWS, PUBLIC_ROWS, Question
 
 SHARED = {"rows": Rows, "budget_s": Positive, "uses": Sequence[Any]}

@@ -10,13 +10,13 @@ import numpy as np
 from exercises.authoring.assignments.assignment import ArraySpec, Scene
 from exercises.authoring.kinds import kind
 from exercises.authoring.kinds.motion_behind_animation import own_motion
-from exercises.authoring.questions.argument_types import Given, Itself, Limit, Positive, tolerance_data
+from exercises.authoring.questions.author_arguments import Given, Itself, Limit, Positive, tolerance_data
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 from polhode.animation.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
-from polhode.animation.artists import MOST_AXES
+from polhode.animation.artist_points import MOST_AXES
 from polhode.judging.outcome import Tolerance
-from polhode.kinds import asking
+from polhode.kinds import student_calls
 from polhode.kinds.animation.animation_of_cell import MOST_OWN
 from polhode.kinds.animation.body import AGREE
 
@@ -58,7 +58,7 @@ class Animated(Question):
 
     def exact(self, rows: Mapping[str, Any], part: Any = None) -> dict[str, Any]:
         """Return the times and trajectories of the first row, and the drawn values as ``at_NAME``."""
-        given = asking.arguments(self.document, next(asking.each_row(rows), {}))
+        given = student_calls.arguments(self.document, next(student_calls.each_row(rows), {}))
         names = (self.data["time"], *self.data["follow"], *_of_body(self.data["body"]))
         wanted = {name: np.asarray(given[name], dtype=float) for name in names}
         return wanted | {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}

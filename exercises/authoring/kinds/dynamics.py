@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene, Sweep
-from exercises.authoring.assignments.sweep import BUDGET_S, SETTINGS, result
+from exercises.authoring.assignments.speed_vs_accuracy import BUDGET_S, SETTINGS, result
 from exercises.authoring.draws import JointDraw
 from exercises.authoring.questions.question import Later, Question, call_with
 from polhode.judging.checks import Arrays

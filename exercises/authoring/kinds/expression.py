@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.argument_types import Agree, Given, Itself, Truth, named_values
+from exercises.authoring.questions.author_arguments import Agree, Given, Itself, Truth, named_values
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.argument_types import (
+from exercises.authoring.questions.author_arguments import (
     Draw,
     LimitOrValue,
     Named,

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.authoring.assignments.assignment import Sweep
-from exercises.authoring.assignments.sweep import BUDGET_S, SETTINGS, result
+from exercises.authoring.assignments.speed_vs_accuracy import BUDGET_S, SETTINGS, result
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.argument_types import (
+from exercises.authoring.questions.author_arguments import (
     Agree,
     Count,
     Expression,
@@ -33,7 +33,7 @@ from polhode.judging.checks import Arrays
 from polhode.judging.integration import solve_ivp
 from polhode.judging.outcome import SweepResult
 from polhode.kinds import ode as kit
-from polhode.kinds.asking import flat, split
+from polhode.kinds.student_calls import flat, split
 
 
 @kind()

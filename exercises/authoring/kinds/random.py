@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.argument_types import (
+from exercises.authoring.questions.author_arguments import (
     Close,
     Given,
     Limit,

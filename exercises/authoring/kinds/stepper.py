@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.authoring.assignments.assignment import ArraySpec, Scene, Sweep
-from exercises.authoring.assignments.sweep import BUDGET_S, result_of_steppers
+from exercises.authoring.assignments.speed_vs_accuracy import BUDGET_S, result_of_steppers
 from exercises.authoring.kinds import kind
 from exercises.authoring.kinds.ode import converged
-from exercises.authoring.questions.argument_types import (
+from exercises.authoring.questions.author_arguments import (
     Absolute,
     Agree,
     Close,
@@ -34,7 +34,7 @@ from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import SweepResult
 from polhode.kinds import stepper as kit
-from polhode.kinds.asking import arguments, flat
+from polhode.kinds.student_calls import arguments, flat
 
 
 def tableau(A: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float]) -> Callable[..., Any]:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.argument_types import (
+from exercises.authoring.questions.author_arguments import (
     Agree,
     Family,
     Given,
@@ -17,7 +17,7 @@ from exercises.authoring.questions.argument_types import (
 )
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
-from polhode.kinds import asking
+from polhode.kinds import student_calls
 
 
 @kind()
@@ -60,7 +60,7 @@ def of_expression(call: str, name: str, truth: Any, given: Iterable[str]) -> Cal
     """
 
     def exact(**values: Any) -> Any:
-        return asking.evaluate(call, values | {name: truth})
+        return student_calls.evaluate(call, values | {name: truth})
 
     exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in given]

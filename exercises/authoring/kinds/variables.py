@@ -5,11 +5,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from exercises.authoring.kinds import kind
-from exercises.authoring.questions.argument_types import Expression, Named, Numbers, Text, Value, named_values
+from exercises.authoring.questions.author_arguments import (
+    Expression,
+    Named,
+    Numbers,
+    Text,
+    Value,
+    named_values,
+)
 from exercises.authoring.questions.question import Question
 from exercises.authoring.solutions import NotebookSolution
 from polhode.judging.outcome import Tolerance
-from polhode.kinds.asking import KNOWN
+from polhode.kinds.student_calls import KNOWN
 
 CLAIMED = Tolerance(rtol=1e-9, reason="compared by claims only")
 

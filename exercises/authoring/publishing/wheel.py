@@ -10,7 +10,7 @@ from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.publishing import zipfiles
 from polhode import KIT
-from polhode.client import build
+from polhode.client import kit_hash
 
 DISTRIBUTION = "polhode-kit"
 
@@ -19,7 +19,7 @@ DISTRIBUTION = "polhode-kit"
 def wheel() -> bytes:
     """Return the kit's wheel, byte for byte the same for the same content."""
     about = metadata.distribution(DISTRIBUTION).read_text("METADATA") or ""
-    return zipfiles.wheel(f"polhode_kit-{KIT}.dist-info", about, build.files())
+    return zipfiles.wheel(f"polhode_kit-{KIT}.dist-info", about, kit_hash.files())
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from polhode.notebook.cell_source import DEFINITION, python_of, statements_of, without_magics
+from polhode.notebook.cell_to_python import DEFINITION, python_of, statements_of, without_magics
 
 # tags of cells that students must not see, that install the kit, and that only look at results
 SOLUTION, INSTALL, LOOK = "solution", "install", "look"

@@ -16,7 +16,8 @@ import numpy as np
 
 from exercises.authoring.assignments.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.authoring.draws import JointDraw, JointlyDrawn, ListDraw
-from exercises.authoring.questions.argument_types import (
+from exercises.authoring.portable_source import WrittenMistake
+from exercises.authoring.questions.author_arguments import (
     ARGUMENTS,
     SHORT,
     Draw,
@@ -27,13 +28,12 @@ from exercises.authoring.questions.argument_types import (
     tolerance_data,
 )
 from exercises.authoring.solutions import NotebookSolution
-from exercises.authoring.written_mistakes import WrittenMistake
 from polhode import kinds
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.checks import Arrays
 from polhode.judging.return_value import WrongAnswer
-from polhode.kinds import asking
-from polhode.kinds.alignment import alignment_error
+from polhode.kinds import student_calls
+from polhode.kinds.equivalent_values import alignment_error
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 ARGUMENT = (
@@ -274,7 +274,7 @@ class Question:
     @_located
     def asked(self) -> dict[str, Any]:
         """The question as data, with the shapes of its answer: calls the right solution once."""
-        row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
+        row = next(student_calls.each_row(self.draw(np.random.default_rng(0), 1)), {})
         shaped = [
             value | form for value, form in zip(self.document["returns"], self._forms(row), strict=True)
         ]
@@ -288,9 +288,9 @@ class Question:
 
     def _forms(self, row: Mapping[str, Any]) -> list[dict[str, Any]]:
         """Return shape and type of each value that the right solution returns for a row of drawn values."""
-        answer = asking.call(self.document, self.student, asking.arguments(self.document, row))
+        answer = student_calls.call(self.document, self.student, student_calls.arguments(self.document, row))
         forms, is_symbolic = [], self.data.get("complex", False)
-        for part in asking.parts(self.document, answer):
+        for part in student_calls.parts(self.document, answer):
             kind = np.asarray(part).dtype.kind
             if kind not in "fiubc" and not is_symbolic:
                 raise TypeError(
@@ -341,18 +341,20 @@ class Question:
             return self._exact_together(rows) | drawn
         try:
             own = self.play(self.student, rows) if part is None and is_own else {}
-            for row in asking.each_row(rows):
-                asked = asking.arguments(self.asked, row)
+            for row in student_calls.each_row(rows):
+                asked = student_calls.arguments(self.asked, row)
                 # a truth may call a function as often as it likes
                 given = {
-                    n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()
+                    n: v.function if isinstance(v, student_calls.Counted) else v for n, v in asked.items()
                 } | row
                 if part is not None:
                     answers.append(part.exact(given))
                     continue
                 known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
                 exact = (
-                    asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
+                    student_calls.returned(self.asked, call_with(self.truth, given))
+                    if callable(self.truth)
+                    else {}
                 )
                 answers.append(exact | known | self._scales(given, exact))
         except WrongAnswer as error:
@@ -360,7 +362,7 @@ class Question:
             raise ValueError(
                 f"{whose} does not answer as the right solution does for the first input: {error}; {CONSTANT}"
             ) from error
-        return {**asking.stacked(answers), **own, **drawn}
+        return {**student_calls.stacked(answers), **own, **drawn}
 
     def _scales(self, given: Mapping[str, Any], exact: Mapping[str, Any]) -> dict[str, Any]:
         """Return the author's scale of each value."""

@@ -7,10 +7,10 @@ import keyword
 from collections.abc import Iterator
 from types import FunctionType
 
-from exercises.authoring.questions.argument_types import Family, Mistake
+from exercises.authoring.portable_source import WrittenMistake
+from exercises.authoring.questions.author_arguments import Family, Mistake
 from exercises.authoring.questions.question import Question
-from exercises.authoring.written_mistakes import WrittenMistake
-from polhode.kinds.asking import KNOWN, is_source
+from polhode.kinds.student_calls import KNOWN, is_source
 
 RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "polhode", "np", "plt"}
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments import catalogue
 from exercises.authoring.publishing import wheel
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from service.cli.errors import CommandError
 from service.cli.output_file import write
 from service.settings import Settings

@@ -15,11 +15,11 @@ import reference
 import service
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import DECLARATION
-from exercises.authoring.importing.words import COURSE_FOLDER
+from exercises.authoring.importing.validation_words import COURSE_FOLDER
 from exercises.authoring.publishing import wheel as kit
 from exercises.authoring.publishing import zipfiles
 from exercises.authoring.publishing.zipfiles import zipped
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from service.cli.arguments import add_exercise
 from service.cli.grading.find_assignment import find_assignment
 from service.cli.output_file import write

@@ -15,7 +15,7 @@ from typing import Any
 
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import Sample, samples
-from exercises.authoring.mutants.mistakes import MadeSample
+from exercises.authoring.mutants.variants import MadeSample
 from polhode.judging.judge import MARKS, Verdict
 from polhode.report.dataclass_json import read
 from polhode.report.report import Report

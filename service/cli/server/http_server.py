@@ -16,7 +16,7 @@ from fastapi import FastAPI
 from service.api.health import WorkerStatus
 from service.app import create_app
 from service.http.connections import ACCEPTED, Connection, Connections
-from service.http.live import Listener
+from service.http.live_updates import Listener
 from service.settings import Settings
 from service.store.database import Database, is_outage, patiently
 from service.store.people import first_instructor

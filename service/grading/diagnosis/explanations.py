@@ -18,8 +18,7 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import reproduces
 from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
-from service.grading.diagnosis.quoting import StudentCode
-from service.grading.diagnosis.readings import (
+from service.grading.diagnosis.number_patterns import (
     constant_factor,
     extra_term,
     factor_in_words,
@@ -27,6 +26,7 @@ from service.grading.diagnosis.readings import (
     order_of,
     too_few_digits,
 )
+from service.grading.diagnosis.quoting import StudentCode
 
 MOST_COMPONENTS = 6  # of a returned array that are explained one by one
 

@@ -28,8 +28,8 @@ from service.grading.diagnosis.explanations import (
     diagnoses,
     wrong_components,
 )
+from service.grading.diagnosis.number_patterns import in_general, unrepeatable
 from service.grading.diagnosis.quoting import StudentCode
-from service.grading.diagnosis.readings import in_general, unrepeatable
 from service.grading.run_in_sandbox import PlayedJob
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import TooBusy

@@ -29,7 +29,7 @@ def measure() -> dict[str, Any]:
     """Measure all scenes and pictures, printing what is being measured. It takes a minute or two and needs
     numba.
     """
-    from reference.charts import cost, failures, least_model
+    from reference.charts import cost, failures, simplest_model
     from reference.charts.scenes import SCENES
 
     scenes, pictures = [], []
@@ -49,7 +49,7 @@ def measure() -> dict[str, Any]:
         "scenes": scenes,
         "pictures": pictures,
         "unfailing": [*failures.unfailing()],
-        "least": [*least_model.table()],
+        "least": [*simplest_model.table()],
     }
     return json.loads(_text(document))
 

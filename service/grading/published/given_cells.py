@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from exercises.authoring.assignments.assignment import PublishedCell
 from exercises.authoring.publishing.publish import IS_BROUGHT
-from service.sandbox.guest.cells.pieces import MARK, MOST_PIECES
+from service.sandbox.guest.cells.jupytext_cells import MARK, MOST_PIECES
 from service.sandbox.job import Cell
 
 ALIKE = 0.6  # least share of the words of an edited copy and of the published cell that both have in pairs

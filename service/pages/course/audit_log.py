@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse, Response
 from service.auth.roles import Staff
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages.course.audit_words import tell
+from service.pages.course.audit_text import tell
 from service.store.course.audit import MOST, entries
 
 router = APIRouter()

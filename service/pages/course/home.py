@@ -5,9 +5,9 @@ from fastapi.responses import HTMLResponse, Response
 from starlette.routing import Match
 
 from exercises.authoring.assignments.catalogue import assignments
-from exercises.authoring.assignments.index import line_counts
+from exercises.authoring.assignments.listing_index import line_counts
 from service.api.health import WorkerStatus
-from service.api.release import visible_row
+from service.api.visible_results import visible_row
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser, OptionalUser
 from service.formats.grade_row import total_percent

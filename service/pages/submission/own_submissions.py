@@ -17,8 +17,8 @@ from service.http.requests import PublicAddress
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages import markdown
-from service.pages.submission import task
 from service.pages.rejected_forms import post_form
+from service.pages.submission import exercise_list
 from service.store.course import course_settings
 
 router = APIRouter()
@@ -44,7 +44,10 @@ async def own_submissions(
     context["late_penalty"] = (await course_settings.read(database)).late_penalty
     context["same"] = next((s for s in history.submissions if str(s.id) == same), None)
     context |= {"best": best, "last": last, "most": assignment.most_points}
-    context |= {"exercises": task.exercises(assignment, best), "limits": task.limits(assignment)}
+    context |= {
+        "exercises": exercise_list.exercises(assignment, best),
+        "limits": exercise_list.limits(assignment),
+    }
     return templates.TemplateResponse(request, "submissions.html", context)
 
 

@@ -19,8 +19,8 @@ from polhode.report import report_html
 from polhode.report.report import Report
 from polhode.report.student_line import StudentLine
 from service.api.figures import cached_artefact
-from service.api.release import visible_row
 from service.api.submissions import Submission
+from service.api.visible_results import visible_row
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
 from service.grading import graded_file

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType, WrapperDescriptorType
 from typing import Any, NoReturn
 
-from .cells.claims import course
+from .cells.claim_recorder import course
 from .wire import FILES
 from .zygote import NEEDED
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 from polhode.judging.author_errors import SOURCES, author_error
 from polhode.judging.return_value import describe_exception
 
-from .budget import Budget, OutOfTime
 from .confinement.limits import limit
+from .time_budget import Budget, OutOfTime
 
 MOST_SENTENCE, MOST_CAUSE = 500, 400
 

@@ -16,14 +16,14 @@ from polhode.judging.remarks import Absent, noting
 from polhode.judging.return_value import is_written, missing
 
 from . import deferred_libraries
-from .budget import Budget, limited
-from .calls import LOADED, Channel
-from .cells.claims import Recorder
-from .cells.running import Cells, Stopped
+from .cells.claim_recorder import Recorder
+from .cells.run_cells import Cells, Stopped
+from .cross_process_calls import LOADED, Channel
 from .ending import Cause, ending
 from .null_object import NOTHING
-from .returned_forms import in_form_of
+from .return_structure import in_form_of
 from .tamper_detection import Seal, in_place, names_used, private_modules
+from .time_budget import Budget, limited
 from .wire import APART, FILES, JobReader, Writer
 from .zygote import KINDS_MODULE
 
@@ -35,9 +35,9 @@ NOTEBOOK_ONLY = ("check", "connect", "login", "logout", "submissions", "submit")
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
 INTEGRATION = "polhode.judging.integration"
 PRIVATE = (
-    "polhode.animation.artists",
+    "polhode.animation.artist_points",
     "polhode.animation.draw_decoration_once",
-    "polhode.animation.visibility",
+    "polhode.animation.visible_changes",
     "polhode.animation.animation_recording",
     INTEGRATION,
 )

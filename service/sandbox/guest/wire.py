@@ -1,4 +1,4 @@
-"""The guest's side of the protocol: read the job, write frames. See job.py and wire.py of the host."""
+"""The guest's side of the protocol of job.py and guest_frames.py: read the job, write frames."""
 
 import base64
 import fcntl

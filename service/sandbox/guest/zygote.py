@@ -6,10 +6,10 @@ It reads no submission and has no secret. Each child that runs a submission has 
 For each play the host sends three descriptors (job, result, output) and PLAY. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it
 used. With two more descriptors, a job of reference functions and a pipe for their calls, a second child holds
-these and answers calls of the first one (calls.py): it gets the same layers and limits, its pidfd and wait
-status are returned too, and it does not survive the first. The zygote's first message is READY and its
-identity as JSON. A zygote that imports a library of MODULES later does so when it receives IMPORT and the
-name of one, and answers READY.
+these and answers calls of the first one (cross_process_calls.py): it gets the same layers and limits, its
+pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is READY
+and its identity as JSON. A zygote that imports a library of MODULES later does so when it receives IMPORT and
+the name of one, and answers READY.
 """
 
 import contextlib
@@ -43,7 +43,7 @@ END_S = 0.5  # for the child with the reference functions to read what is left a
 WARM = (
     "polhode.animation.animation_recording",
     "guest.confinement.lockdown",
-    "guest.reference",
+    "guest.reference_process",
     "guest.run_scenes",
     "hashlib",
 )
@@ -90,7 +90,7 @@ def main(
     gc.disable()  # a collection of so many objects takes 20 ms and finds little
     for name in WARM:
         importlib.import_module(name)
-    sys.modules["guest.cells.claims"].course[:] = course
+    sys.modules["guest.cells.claim_recorder"].course[:] = course
     if when == LATER:
         importlib.import_module("guest.deferred_libraries").install()
     else:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.authoring import draws
-from polhode.kinds import asking
+from polhode.kinds import student_calls
 
 RNG = np.random.default_rng
 
@@ -57,7 +57,7 @@ def test_cases_of_a_joint_draw_take_turns():
 
 def test_a_function_of_the_file_is_an_argument_with_what_it_uses():
     family = draws.function(pulled_back, rate=draws.between(1, 2))
-    pull = asking.expression(family.text, family.over, {"rate": 2.0})
+    pull = student_calls.expression(family.text, family.over, {"rate": 2.0})
     assert family.over == ("x",) and pull(3.0) == -12.0 and pull([1.0, 2.0]).tolist() == [-4.0, -8.0]
 
 

@@ -21,7 +21,7 @@ from exercises.authoring.kinds.random import estimate, generator, samples
 from exercises.authoring.kinds.stepper import euler, stepper
 from exercises.authoring.kinds.values import values
 from exercises.authoring.kinds.variables import Claim, variables
-from exercises.authoring.questions.argument_types import Value
+from exercises.authoring.questions.author_arguments import Value
 from exercises.authoring.questions.question_errors import question_errors
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.outcome import Tolerance

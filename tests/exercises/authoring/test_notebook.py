@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exercises.authoring.publishing import public_side
+from exercises.authoring.publishing import public_assignment
 from service.grading.grade import grade
 from service.grading.sandbox_job import draw_inputs, job_of, truth
 from service.grading.submission import Submission
@@ -53,7 +53,7 @@ def test_truths_see_every_drawn_name_and_the_job_only_what_the_function_takes(ke
 
 
 def test_the_kit_has_no_drawn_name_that_the_function_does_not_take(kepler):
-    public = public_side._content("kepler")["public.json"].decode()
+    public = public_assignment._content("kepler")["public.json"].decode()
     assert '"mu"' in public and '"omega": [' not in public
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import reference
 from exercises.authoring.assignments.catalogue import find
-from exercises.authoring.assignments.sweep import SETTINGS as EVERY
+from exercises.authoring.assignments.speed_vs_accuracy import SETTINGS as EVERY
 from exercises.authoring.kinds.dynamics import MOST_SWEPT
 from exercises.rigid_body.assignment import TILT
 from service.grading.sandbox_job import truth

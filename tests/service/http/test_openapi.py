@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from polhode.report.report import Picture
 from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES

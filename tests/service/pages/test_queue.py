@@ -13,7 +13,7 @@ import urllib.request
 
 import pytest
 
-from service.http.live import EVERY_S
+from service.http.live_updates import EVERY_S
 from service.pages import queue
 from service.store.queue import workers
 from tests.support.app import App

@@ -7,7 +7,7 @@ import pytest
 
 from polhode.judging.judge import Verdict
 from service.sandbox.claim_frames import Field, read, shape_of
-from service.sandbox.guest.cells.claims import MOST_NUMBERS
+from service.sandbox.guest.cells.claim_recorder import MOST_NUMBERS
 from service.sandbox.untrusted_text import text
 
 CLOSE = {

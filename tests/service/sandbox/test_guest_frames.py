@@ -10,7 +10,7 @@ from exercises.authoring.assignments.assignment import ArraySpec
 from polhode.judging.outcome import Ended
 from polhode.judging.remarks import MOST_REMARKS
 from polhode.report.dataclass_json import document
-from service.sandbox.guest.cells.claims import MOST_CLAIMS
+from service.sandbox.guest.cells.claim_recorder import MOST_CLAIMS
 from service.sandbox.guest.wire import pack
 from service.sandbox.guest_frames import ProtocolError, Reader
 from service.sandbox.job import Cell, Job, SceneRequest

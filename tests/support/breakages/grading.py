@@ -88,7 +88,7 @@ GRADING = [
     ),
     Breakage(
         "the author's notebook is no sample",
-        "exercises/authoring/mutants/mistakes.py",
+        "exercises/authoring/mutants/variants.py",
         'yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), numbers, right=True)',
         'yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), (), right=True)',
         ("tests/service/cli/authoring/verify/test_made_samples.py",),

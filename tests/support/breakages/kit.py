@@ -61,10 +61,10 @@ KIT = [
     ),
     Breakage(
         "an exercise with a cause of its own is folded under the cause of another",
-        "exercises/kit/polhode/report/grouped.py",
+        "exercises/kit/polhode/report/report_overview.py",
         "same = bool(sentences) and all(given) and sentences <= shown",
         "same = bool(sentences) and all(given) and bool(sentences & shown)",
-        ("tests/exercises/kit/polhode/report/test_grouped.py",),
+        ("tests/exercises/kit/polhode/report/test_report_overview.py",),
     ),
     Breakage(
         "the line of the first definition is quoted, not that of the last, which runs",
@@ -105,11 +105,11 @@ KIT = [
     ),
     Breakage(
         "what students get holds the author's notebook, with its solutions",
-        "exercises/authoring/publishing/public_side.py",
+        "exercises/authoring/publishing/public_assignment.py",
         '    yield "plays.py", assignment.plays.encode()\n',
         '    yield "plays.py", assignment.plays.encode()\n'
         '    yield "notebook.ipynb", (assignment.folder / "notebook.ipynb").read_bytes()\n',
-        ("tests/exercises/authoring/publishing/test_public_side.py",),
+        ("tests/exercises/authoring/publishing/test_public_assignment.py",),
     ),
     Breakage(
         "the students' notebook keeps a solution that is not a definition",
@@ -167,10 +167,10 @@ KIT = [
     ),
     Breakage(
         "what students get holds the drawn scenes and their truth",
-        "exercises/authoring/publishing/public_side.py",
+        "exercises/authoring/publishing/public_assignment.py",
         "scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]",
         "scenes = [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in"
         " used]",
-        ("tests/exercises/authoring/publishing/test_public_side.py",),
+        ("tests/exercises/authoring/publishing/test_public_assignment.py",),
     ),
 ]

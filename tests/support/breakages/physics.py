@@ -73,14 +73,14 @@ PHYSICS = [
     ),
     Breakage(
         "a value that is not finite hides the others",
-        "exercises/kit/polhode/kinds/asking.py",
+        "exercises/kit/polhode/kinds/student_calls.py",
         "if len(wrong) == len(values):",
         "if wrong:",
         ("tests/exercises/authoring/kinds/test_values.py::test_a_value_that_is_not_finite_fails_alone",),
     ),
     Breakage(
         "a part of an argument may have any type",
-        "exercises/authoring/questions/argument_types.py",
+        "exercises/authoring/questions/author_arguments.py",
         "errors = [error for at, part, of in parts for",
         "errors = [error for at, part, of in parts[:0] for",
         ("tests/exercises/authoring/test_kinds.py",),
@@ -157,18 +157,18 @@ PHYSICS = [
     ),
     Breakage(
         "a trajectory passes that is drawn upside down",
-        "exercises/kit/polhode/kinds/animation/matching.py",
+        "exercises/kit/polhode/kinds/animation/curve_matching.py",
         "if fit is None or (m == 1 and fit.coefficients[0, 0] <= 0):",
         "if fit is None:",
         ("tests/exercises/authoring/kinds/test_animation.py::test_a_wrong_drawing_fails_with_its_reason",),
     ),
     Breakage(
         "an artist that changes no pixel counts as visible",
-        "exercises/kit/polhode/animation/visibility.py",
+        "exercises/kit/polhode/animation/visible_changes.py",
         "return artists if changed.any() else []",
         "return artists",
         (
-            "tests/exercises/kit/polhode/animation/test_visibility.py::test_what_changes_no_pixel_does_not_count",
+            "tests/exercises/kit/polhode/animation/test_visible_changes.py::test_what_changes_no_pixel_does_not_count",
         ),
     ),
     Breakage(
@@ -187,10 +187,10 @@ PHYSICS = [
     ),
     Breakage(
         "a slip of sign gets another diagnosis code",
-        "service/grading/diagnosis/readings.py",
+        "service/grading/diagnosis/number_patterns.py",
         'return "sign-reversed" if whole else "sign-flipped", f',
         'return "constant-factor", f',
-        ("tests/service/grading/diagnosis/test_readings.py",),
+        ("tests/service/grading/diagnosis/test_number_patterns.py",),
     ),
     Breakage(
         "a motion that is right where it is integrated passes without its bound",

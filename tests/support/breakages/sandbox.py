@@ -93,21 +93,21 @@ SANDBOX = [
     ),
     Breakage(
         "a sweep's calls are believed",
-        "exercises/authoring/assignments/sweep.py",
+        "exercises/authoring/assignments/speed_vs_accuracy.py",
         "if not np.all((calls >= 1) & (calls <= most_calls) & (calls == np.trunc(calls))):",
         "if np.any(np.isnan(calls)):",
         ("tests/exercises/rigid_body/test_assignment.py",),
     ),
     Breakage(
         "any function that is wrong is told to compute in double precision",
-        "exercises/authoring/assignments/sweep.py",
+        "exercises/authoring/assignments/speed_vs_accuracy.py",
         "if stopped and kappa and least < 10 * kappa * SINGLE:",
         "if kappa:",
-        ("tests/exercises/authoring/assignments/test_sweep.py",),
+        ("tests/exercises/authoring/assignments/test_speed_vs_accuracy.py",),
     ),
     Breakage(
         "a stepper that is not written has points in the chart",
-        "exercises/authoring/assignments/sweep.py",
+        "exercises/authoring/assignments/speed_vs_accuracy.py",
         "            if calls\n",
         "",
         (
@@ -116,7 +116,7 @@ SANDBOX = [
     ),
     Breakage(
         "a function argument takes unknown names",
-        "exercises/kit/polhode/kinds/asking.py",
+        "exercises/kit/polhode/kinds/student_calls.py",
         "if len(values) + len(named) != len(over) or taken.keys() != set(over):",
         "if len(values) + len(named) != len(over):",
         (
@@ -201,10 +201,10 @@ SANDBOX = [
     ),
     Breakage(
         "the process of the reference functions goes on after an invalid frame",
-        "service/sandbox/guest/calls.py",
+        "service/sandbox/guest/cross_process_calls.py",
         "if not valid or at != len(raw):",
         "if not valid:",
-        ("tests/service/sandbox/guest/test_calls.py",),
+        ("tests/service/sandbox/guest/test_cross_process_calls.py",),
     ),
     Breakage(
         "what a submission got with invalid frames to the reference functions is believed",
@@ -222,7 +222,7 @@ SANDBOX = [
     ),
     Breakage(
         "a cell's own definition replaces the reference function",
-        "service/sandbox/guest/cells/running.py",
+        "service/sandbox/guest/cells/run_cells.py",
         "            }\n            self._names |= self._fixed\n",
         "            }\n",
         ("tests/service/grading/test_chains.py",),
@@ -273,7 +273,7 @@ SANDBOX = [
     ),
     Breakage(
         "a student reads where the assignment's code failed",
-        "service/api/release.py",
+        "service/api/visible_results.py",
         'if FAULT.format(slug=stored.assignment, error="") in (stored.fault or ""):',
         'if FAULT.format(slug=stored.assignment, error="") in (stored.person or ""):',
         (
@@ -282,17 +282,17 @@ SANDBOX = [
     ),
     Breakage(
         "a student reads scores that are not released",
-        "service/api/release.py",
+        "service/api/visible_results.py",
         "if not stored.scores_released:",
         "if not stored.person:",
-        ("tests/service/api/test_release.py",),
+        ("tests/service/api/test_visible_results.py",),
     ),
     Breakage(
         "a student reads the numbers of hidden checks before their release",
         "service/grading/withholding.py",
         "if outcome.hidden or (",
         "if (",
-        ("tests/service/api/test_release.py",),
+        ("tests/service/api/test_visible_results.py",),
     ),
     Breakage(
         "a public check shows a cause that only hidden points show",
@@ -310,10 +310,10 @@ SANDBOX = [
     ),
     Breakage(
         "a random function may remember what it returned for a seed",
-        "service/grading/fresh_process.py",
+        "service/grading/seed_repeatability.py",
         'arrays["again"] * np.all(same, axis=0)',
         'arrays["again"]',
-        ("tests/service/grading/test_fresh_process.py",),
+        ("tests/service/grading/test_seed_repeatability.py",),
     ),
     Breakage(
         "given cells run with modules that the submission has changed",
@@ -324,7 +324,7 @@ SANDBOX = [
     ),
     Breakage(
         "a loop of a published notebook may make fewer claims than with the author's solution",
-        "exercises/authoring/importing/lines.py",
+        "exercises/authoring/importing/validation_lines.py",
         "len(judged) < solution and",
         "len(judged) < 0 and",
         ("tests/system/test_imported_notebooks.py",),
@@ -359,7 +359,7 @@ SANDBOX = [
     ),
     Breakage(
         "a strict ✗ of a validation word stops the rest of a given cell",
-        "service/sandbox/guest/cells/running.py",
+        "service/sandbox/guest/cells/run_cells.py",
         "self.statements.goes_on = recorder.has_raised if published else lambda error: False",
         "self.statements.goes_on = lambda error: False",
         (
@@ -369,7 +369,7 @@ SANDBOX = [
     ),
     Breakage(
         "a course's module that never ends its import uses up the grading",
-        "service/sandbox/guest/cells/claims.py",
+        "service/sandbox/guest/cells/claim_recorder.py",
         "limited(load, Budget(IMPORT_S))",
         "limited(load, Budget(100 * IMPORT_S))",
         (

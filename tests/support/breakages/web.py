@@ -123,7 +123,7 @@ WEB = [
         "service/auth/identity.py",
         "if not settings.is_single_user or await first_instructor.people_log_in(database):",
         "if not settings.is_single_user:",
-        ("tests/service/pages/course/test_first_run.py",),
+        ("tests/service/pages/course/test_first_instructor.py",),
     ),
     Breakage(
         "the staff acts as the student whose pages it sees",

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from playwright.sync_api import Browser
 
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from service.cli.server.demo import free_port
 from tests.support.pictures.browser import open_page, save
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from polhode.animation import animate
-from polhode.animation.artists import Drawn, drawn, labelled, painted, unordered
+from polhode.animation.artist_points import Drawn, drawn, labelled, painted, unordered
 from polhode.animation.draw_decoration_once import decorated_once
-from polhode.animation.visibility import Visibility, differ
+from polhode.animation.visible_changes import Visibility, differ
 from polhode.judging.remarks import remark
 from polhode.judging.return_value import WrongAnswer
 

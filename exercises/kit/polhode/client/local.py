@@ -36,7 +36,7 @@ from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, S
 from polhode.judging.remarks import Absent, Notes, noting, unsaid
 from polhode.judging.return_value import describe_exception, is_written, missing
 from polhode.judging.time_limit import OutOfTime, limited
-from polhode.report.cause import suspect_lines
+from polhode.report.failure_causes import suspect_lines
 from polhode.report.report import Provenance, Report, pictures
 
 KIT, STANDARD_LIBRARY = Path(__file__).parent, Path(os.__file__).parent

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from polhode.client.build import WHEEL
 from polhode.client.cache import home, made, slugs
 from polhode.client.course import UnknownCourse
+from polhode.client.kit_hash import WHEEL
 from polhode.judging.checks import Arrays
 from polhode.judging.exercise import Exercise
 from polhode.judging.outcome import Diagnosis

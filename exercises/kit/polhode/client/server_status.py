@@ -3,8 +3,8 @@
 from datetime import datetime
 from typing import Any
 
-from polhode.client.build import WHEEL, build
 from polhode.client.errors import RequestError
+from polhode.client.kit_hash import WHEEL, build
 from polhode.client.past_submissions import own
 from polhode.client.transport.http import call
 

@@ -23,7 +23,7 @@ from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import animation, expression, fit, motions, ode, random, stepper, values, variables
 from polhode.kinds.animation import animation_of_cell
-from polhode.kinds.asking import each
+from polhode.kinds.student_calls import each
 from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 
 KINDS: Mapping[str, ModuleType] = {

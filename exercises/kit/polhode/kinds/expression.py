@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from polhode.judging.return_value import WrongAnswer, article
-from polhode.kinds.asking import arguments, call, each, parts, returned
+from polhode.kinds.student_calls import arguments, call, each, parts, returned
 from polhode.kinds.values import checks  # noqa: F401
 
 DIGITS = 30  # of the evaluation, so that cancellation in an equivalent form costs nothing

@@ -20,7 +20,7 @@ from polhode.judging.integration import Array, Evaluate, IntegrationStopped, Rat
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
 from polhode.judging.return_value import WrongAnswer
-from polhode.kinds.asking import (
+from polhode.kinds.student_calls import (
     arguments,
     describe,
     each_row,

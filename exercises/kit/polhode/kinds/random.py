@@ -18,7 +18,7 @@ from polhode.judging import judge
 from polhode.judging.checks import Arrays, Check, holds
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
-from polhode.kinds.asking import arguments, call, describe, each, returned, stacked
+from polhode.kinds.student_calls import arguments, call, describe, each, returned, stacked
 
 Array = NDArray[np.float64]
 Test = tuple[Array, float, str]

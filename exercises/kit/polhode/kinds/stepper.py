@@ -20,7 +20,7 @@ from polhode.judging.cpu_time import thread_time
 from polhode.judging.exercise import Figure
 from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
-from polhode.kinds.asking import Counted, arguments, call, flat, part_figure, restart, returned, split
+from polhode.kinds.student_calls import Counted, arguments, call, flat, part_figure, restart, returned, split
 from polhode.kinds.values import checks, play  # noqa: F401
 from polhode.report.figure_parts import legend_above
 

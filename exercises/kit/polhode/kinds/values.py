@@ -13,8 +13,8 @@ from polhode.judging.checks import Arrays, Check, Locate, below
 from polhode.judging.judge import Judgement, RowsRight, Verdict
 from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import Kept
-from polhode.kinds.alignment import aligned
-from polhode.kinds.asking import Counted, NotFinite, arguments, call, describe, each, returned
+from polhode.kinds.equivalent_values import aligned
+from polhode.kinds.student_calls import Counted, NotFinite, arguments, call, describe, each, returned
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:

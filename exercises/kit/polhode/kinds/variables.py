@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from polhode.judging.checks import Arrays, Check, shows
-from polhode.kinds.asking import evaluate
+from polhode.kinds.student_calls import evaluate
 from polhode.kinds.values import play, value_check  # noqa: F401
 
 

@@ -6,7 +6,7 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 
-from polhode.notebook.cell_source import DEFINITION, Statement, statements_of, unfold
+from polhode.notebook.cell_to_python import DEFINITION, Statement, statements_of, unfold
 
 
 class History:

@@ -4,7 +4,7 @@ import ast
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 
-from polhode.notebook.sources import Missing, Source, Sources
+from polhode.notebook.name_sources import Missing, Source, Sources
 
 _OUTSIDE = {
     "open",

@@ -3,7 +3,7 @@
 import ast
 from collections.abc import Sequence
 
-from polhode.notebook.cell_source import python_of, statements_of
+from polhode.notebook.cell_to_python import python_of, statements_of
 
 
 def whole(cells: Sequence[str]) -> list[str]:

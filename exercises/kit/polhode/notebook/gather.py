@@ -20,7 +20,7 @@ from polhode.judging.return_value import is_written
 from polhode.notebook.cell_history import History
 from polhode.notebook.dependencies import Bundling
 from polhode.notebook.executed_cells import whole
-from polhode.notebook.sources import Sources
+from polhode.notebook.name_sources import Sources
 
 
 class CannotSend(NotebookError):

@@ -10,9 +10,9 @@ from polhode.judging.claims import NotebookCheck
 from polhode.judging.exercise import Exercise
 from polhode.judging.judge import Verdict
 from polhode.judging.outcome import SELF_REPORTED, ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
-from polhode.report import cause, grouped
-from polhode.report.cause import exercises_named
-from polhode.report.grouped import Overview
+from polhode.report import failure_causes, report_overview
+from polhode.report.failure_causes import exercises_named
+from polhode.report.report_overview import Overview
 from polhode.report.student_line import StudentLine
 
 OWN_CHECKS = f"The notebook's own checks ({SELF_REPORTED})"
@@ -140,7 +140,7 @@ class Report:
 
     def overview(self) -> Overview:
         """Return what is shown first: the causes, each once, and the exercises in the order of the report."""
-        return grouped.overview(self.exercises, self.scene_ends, self.suspect_lines)
+        return report_overview.overview(self.exercises, self.scene_ends, self.suspect_lines)
 
     def stops(self) -> list[SceneEnd]:
         """Return the scene ends with a traceback that no cause states, each traceback once."""
@@ -157,8 +157,8 @@ class Report:
         the summary.
         """
         seen = self.overview()
-        blocks = [cause.text(seen.causes)] if seen.causes else []
-        blocks += [grouped.section_text(section, seen) for section in seen.sections]
+        blocks = [failure_causes.text(seen.causes)] if seen.causes else []
+        blocks += [report_overview.section_text(section, seen) for section in seen.sections]
         if self.notebook_checks:
             blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
         blocks += [f"{end.scene}: {end.sentence}\n{_indented(end.traceback)}" for end in self.stops()]

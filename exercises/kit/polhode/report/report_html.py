@@ -11,9 +11,9 @@ from html import escape
 from polhode.client.errors import RequestError
 from polhode.judging.judge import MARKS, Verdict
 from polhode.judging.outcome import SELF_REPORTED, Diagnosis, ExerciseReport, Outcome, Picture
-from polhode.report.cause import FIRST, LOOK, NEXT, Cause
-from polhode.report.grouped import Overview, Section
+from polhode.report.failure_causes import FIRST, LOOK, NEXT, Cause
 from polhode.report.report import OWN_CHECKS, Report, no_picture
+from polhode.report.report_overview import Overview, Section
 from polhode.report.report_style import fragment
 from polhode.report.student_line import StudentLine
 

@@ -15,11 +15,11 @@ from threading import Timer
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.mutants.mistakes import MadeSample
-from exercises.authoring.publishing import public_side, wheel
+from exercises.authoring.mutants.variants import MadeSample
+from exercises.authoring.publishing import public_assignment, wheel
 from exercises.authoring.questions import author_notebook
 from polhode.client import cache
-from polhode.notebook.cell_source import python_of, statements_of
+from polhode.notebook.cell_to_python import python_of, statements_of
 from polhode.report.report import Report
 
 TIME_S = 30.0  # for one sample
@@ -48,7 +48,7 @@ def notebook_differences(
         kit, job = Path(folder, "kit"), Path(folder, "job.json")
         zipfile.ZipFile(io.BytesIO(wheel.wheel())).extractall(kit)
         home = Path(folder, "cache", "polhode", "assignments", assignment.folder.name)
-        cache.store(home, public_side.archive(assignment.slug), "")
+        cache.store(home, public_assignment.archive(assignment.slug), "")
         sent = [{"name": sample.name, "source": sample.source, "ask": list(sample.ask)} for sample in samples]
         run = {"statements": list(_statements(assignment)), "slug": assignment.slug, "samples": sent}
         job.write_text(json.dumps(run), encoding="utf-8")

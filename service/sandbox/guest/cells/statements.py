@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any
 
-from polhode.notebook.cell_source import DEFINITION
+from polhode.notebook.cell_to_python import DEFINITION
 from polhode.notebook.names import names_in
 
-from ..budget import OutOfTime
 from ..ending import MOST_CAUSE, Cause, describe
+from ..time_budget import OutOfTime
 from .place import Place
 
 Names = dict[str, Any]

@@ -15,8 +15,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from .claims import Recorder
-from .pieces import nodes_of
+from .claim_recorder import Recorder
+from .jupytext_cells import nodes_of
 
 Names = dict[str, Any]
 KIT = "polhode"

@@ -6,7 +6,7 @@ import pytest
 
 from exercises.authoring import Notebook
 from exercises.authoring.importing.validation_calls import calls as calls_of
-from exercises.authoring.importing.words import words
+from exercises.authoring.importing.validation_words import words
 from tests.support.course_shape import published, written
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exercises.authoring.assignments.sweep import compared
+from exercises.authoring.assignments.speed_vs_accuracy import compared
 from exercises.authoring.draws import between
 from exercises.authoring.kinds.ode import ode
 from exercises.authoring.questions.question_errors import question_errors

@@ -8,7 +8,7 @@ import pytest
 
 from exercises.authoring.draws import array_of, between, integer
 from exercises.authoring.kinds.values import values
-from exercises.authoring.questions.argument_types import Value
+from exercises.authoring.questions.author_arguments import Value
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.judge import RowsRight, Verdict
 from polhode.judging.outcome import Tolerance

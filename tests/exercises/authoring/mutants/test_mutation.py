@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from exercises.authoring.codes import CODES
+from exercises.authoring.diagnosis_codes import CODES
 from exercises.authoring.mutants.mutation import pairs, variants
 
 CHANGES = {

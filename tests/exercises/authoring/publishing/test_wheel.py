@@ -7,7 +7,7 @@ import zipfile
 from importlib import metadata
 
 from exercises.authoring.publishing.wheel import notebook, wheel
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from tests.support.assignments import TEMPLATE, known
 
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from exercises.authoring.publishing import wheel
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from service.cli.__main__ import main
 from tests.support.assignments import known
 from tests.support.author_notebooks import write

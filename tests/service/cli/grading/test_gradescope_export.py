@@ -10,7 +10,7 @@ import zipfile
 import pytest
 
 from exercises.authoring.assignments.catalogue import find
-from polhode.client.build import WHEEL
+from polhode.client.kit_hash import WHEEL
 from service.cli.grading.gradescope_export import bundle, own_wheel
 from tests.support.containers import Container
 

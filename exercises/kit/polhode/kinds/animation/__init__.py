@@ -23,7 +23,7 @@ from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import check_signature
 from polhode.kinds.animation.animation_of_cell import NOT_OWN, FromCell
-from polhode.kinds.asking import arguments, call, each_row
+from polhode.kinds.student_calls import arguments, call, each_row
 
 SMALL = 0.0  # share of the pixels that must change: a point may be as small as one of them
 
@@ -80,7 +80,7 @@ def _of_body(question: Mapping[str, Any], scene: str) -> list[Check]:
     along L stays.
     """
     from polhode.kinds.animation.body import follows, keeps_momentum
-    from polhode.kinds.animation.body.right_motion import NAMES
+    from polhode.kinds.animation.body.body_motion import NAMES
     from polhode.kinds.animation.visibility import moves
 
     id, function, axis = question["number"], question["function"], question["body"]["axis"]
@@ -103,7 +103,7 @@ def _of_body(question: Mapping[str, Any], scene: str) -> list[Check]:
 
 
 def _body(question: Mapping[str, Any], truth: Arrays) -> Any:
-    from polhode.kinds.animation.body.right_motion import Body
+    from polhode.kinds.animation.body.body_motion import Body
 
     body = question["body"]
     L, half = (np.asarray(truth[body[name]]) if body[name] else None for name in ("L", "half"))

@@ -12,9 +12,9 @@ import numpy as np
 
 from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras, frame_times
+from polhode.kinds.animation.curve_matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
+from polhode.kinds.animation.drawn_paths import Path, Picture, resting
 from polhode.kinds.animation.frame_times import Array, Frames
-from polhode.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
-from polhode.kinds.animation.pictures import Path, Picture, resting
 from polhode.kinds.animation.visibility import Shown, judged, remembered
 
 Curves = Mapping[str, Array]

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple, TypeVar
 
 from polhode.animation.animation_recording import moving_share
 from polhode.judging.checks import Arrays, Check, holds
+from polhode.kinds.animation.drawn_paths import Picture, changed, is_consistent, pictures
 from polhode.kinds.animation.frame_times import LEAST_FRAMES, Array
-from polhode.kinds.animation.pictures import Picture, changed, is_consistent, pictures
 
 T = TypeVar("T")
 

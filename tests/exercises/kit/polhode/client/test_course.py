@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import polhode
-from exercises.authoring.publishing import public_side
+from exercises.authoring.publishing import public_assignment
 from polhode.client import cache, course
 from tests.support.assignments import copied, known
 from tests.support.fake_server import Scripted, says
@@ -123,7 +123,7 @@ def test_in_a_new_kernel_the_kit_finds_the_packages_of_the_assignment_connected_
 
 
 def test_an_installed_package_that_lacks_what_the_course_has_is_named(server, tmp_path, capsys, monkeypatch):
-    cache.store(cache.home("rigid-body"), public_side.archive("rigid-body"), "http://polhode.invalid")
+    cache.store(cache.home("rigid-body"), public_assignment.archive("rigid-body"), "http://polhode.invalid")
     installed_one = tmp_path / "site" / "ecp"
     installed_one.mkdir(parents=True)
     for name in ("__init__.py", "animate.py", "draw.py", "style.py"):
@@ -162,19 +162,19 @@ def packages_from():
 
 
 def test_connect_brings_an_assignment_and_asks_for_it_only_if_it_has_changed(server, capsys):
-    sent = says(200, public_side.archive("rigid-body"), "application/zip")
+    sent = says(200, public_assignment.archive("rigid-body"), "application/zip")
     server.script += [sent, says(304, b"", "application/zip")]
     for _ in range(2):
         polhode.connect(server.url, assignment="rigid-body")
     first, again = server.seen
     assert first.path == "/v1/assignments/rigid-body/kit" and "if-none-match" not in first.headers
-    assert again.headers["if-none-match"] == f'"{public_side.build("rigid-body")}"'
-    assert cache.made("rigid-body") == {"build": public_side.build("rigid-body"), "server": server.url}
+    assert again.headers["if-none-match"] == f'"{public_assignment.build("rigid-body")}"'
+    assert cache.made("rigid-body") == {"build": public_assignment.build("rigid-body"), "server": server.url}
     assert packages_from() == cache.home("rigid-body") / "course" and capsys.readouterr().out == ""
 
 
 def test_without_the_server_what_came_earlier_is_used(server, capsys):
-    cache.store(cache.home("rigid-body"), public_side.archive("rigid-body"), "http://polhode.invalid")
+    cache.store(cache.home("rigid-body"), public_assignment.archive("rigid-body"), "http://polhode.invalid")
     polhode.connect("http://polhode.invalid", assignment="rigid-body")
     assert "the checks and files that came earlier are used" in capsys.readouterr().out
     assert packages_from() == cache.home("rigid-body") / "course"

@@ -11,7 +11,7 @@ from traitlets.config import Config
 
 import polhode
 from polhode.client import remote
-from polhode.client.build import build
+from polhode.client.kit_hash import build
 from polhode.client.transport import http
 from polhode.judging.outcome import Picture
 from polhode.report.dataclass_json import document

@@ -4,7 +4,7 @@ import pytest
 
 import polhode
 from polhode.client import cache, course, server_status
-from polhode.client.build import WHEEL, build
+from polhode.client.kit_hash import WHEEL, build
 from tests.support.fake_server import Scripted, problem, says
 
 RULES = {

@@ -4,7 +4,7 @@ import pytest
 
 import polhode.report.figure_parts
 from polhode.judging.author_errors import author_error
-from polhode.kinds.asking import call
+from polhode.kinds.student_calls import call
 
 QUESTION = {"function": "f", "parameters": ["x"], "call": None, "variables": []}
 

@@ -8,7 +8,7 @@ import pytest
 
 from polhode.judging.remarks import MOST_REMARKS, Absent, Notes, absent, noting, remark, unsaid
 from polhode.judging.return_value import Kept, WrongAnswer, real_array
-from polhode.kinds.asking import returned
+from polhode.kinds.student_calls import returned
 
 
 @pytest.mark.parametrize(

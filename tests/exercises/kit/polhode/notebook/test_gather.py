@@ -12,7 +12,7 @@ import pytest
 from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
-from polhode.notebook.cell_source import python_of
+from polhode.notebook.cell_to_python import python_of
 from polhode.notebook.gather import CannotSend, gather, whole_notebook
 
 

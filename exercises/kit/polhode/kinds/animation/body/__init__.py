@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 from polhode.judging.checks import Arrays, Check, shows
 from polhode.judging.outcome import Diagnosis
+from polhode.kinds.animation.body.body_motion import Body
 from polhode.kinds.animation.body.comparing import body_shown
 from polhode.kinds.animation.body.momentum import momentum_shown
-from polhode.kinds.animation.body.right_motion import Body
 from polhode.kinds.animation.visibility import Shown, standstill
 
 __all__ = ["Body", "body_shown", "diagnose", "follows", "keeps_momentum", "momentum_shown"]

@@ -13,12 +13,12 @@ import numpy as np
 from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras
 from polhode.kinds.animation.body import drawn_boxes
+from polhode.kinds.animation.body.body_motion import NAMES, Body, Motion
 from polhode.kinds.animation.body.direction import read, resembling
-from polhode.kinds.animation.body.own_view import View, by_own_camera
-from polhode.kinds.animation.body.right_motion import NAMES, Body, Motion
+from polhode.kinds.animation.body.own_camera import View, by_own_camera
+from polhode.kinds.animation.curve_matching import Mistake, instead, matched
+from polhode.kinds.animation.drawn_paths import Picture, resting
 from polhode.kinds.animation.frame_times import Array
-from polhode.kinds.animation.matching import Mistake, instead, matched
-from polhode.kinds.animation.pictures import Picture, resting
 from polhode.kinds.animation.visibility import Shown, judged, remembered
 
 BODY = "the body"

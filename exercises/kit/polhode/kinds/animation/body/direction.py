@@ -6,11 +6,11 @@ import numpy as np
 
 from polhode.kinds.animation import cameras, frame_times
 from polhode.kinds.animation.body import drawn_boxes
-from polhode.kinds.animation.body.right_motion import NAMES, Motion
+from polhode.kinds.animation.body.body_motion import NAMES, Motion
 from polhode.kinds.animation.cameras import PARALLEL
+from polhode.kinds.animation.curve_matching import Match
+from polhode.kinds.animation.drawn_paths import Picture
 from polhode.kinds.animation.frame_times import Array
-from polhode.kinds.animation.matching import Match
-from polhode.kinds.animation.pictures import Picture
 from polhode.kinds.animation.visibility import Shown
 
 ALONG = np.sqrt(1 - PARALLEL**2)  # cosine of the angle between directions that count as parallel

@@ -11,9 +11,9 @@ from itertools import product
 import numpy as np
 
 from polhode.kinds.animation import cameras, frame_times
+from polhode.kinds.animation.curve_matching import MISFIT, Match
+from polhode.kinds.animation.drawn_paths import Picture
 from polhode.kinds.animation.frame_times import Array
-from polhode.kinds.animation.matching import MISFIT, Match
-from polhode.kinds.animation.pictures import Picture
 from polhode.kinds.animation.visibility import Shown
 
 TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and the number of them that are fitted

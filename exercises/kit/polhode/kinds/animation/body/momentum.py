@@ -6,12 +6,12 @@ import numpy as np
 
 from polhode.judging.checks import Arrays
 from polhode.kinds.animation import cameras
+from polhode.kinds.animation.body.body_motion import Body, Motion
 from polhode.kinds.animation.body.comparing import compared
-from polhode.kinds.animation.body.right_motion import Body, Motion
 from polhode.kinds.animation.cameras import PARALLEL
+from polhode.kinds.animation.curve_matching import Mistake, instead
+from polhode.kinds.animation.drawn_paths import Picture, is_consistent, pictures, resting
 from polhode.kinds.animation.frame_times import LEAST_FRAMES, Array
-from polhode.kinds.animation.matching import Mistake, instead
-from polhode.kinds.animation.pictures import Picture, is_consistent, pictures, resting
 from polhode.kinds.animation.visibility import INCONSISTENT, Shown
 
 MOVES = "L moves with the body: L is fixed in space, do not apply R to it"

@@ -53,8 +53,9 @@ def main() -> None:
         fill(database)
         took = time.perf_counter() - began
         print(
-            f"{STUDENTS} students, {STUDENTS * EACH} submissions, {len(ASSIGNMENT.checks())} checks each,"
-            f" inserted in {took:.0f} s; medians of {REPEATS}, goal {GOAL_MS:g} ms"
+            f"{STUDENTS} students, {STUDENTS * EACH} submissions an assignment,"
+            f" {len(ASSIGNMENT.checks())} checks each, inserted in {took:.0f} s; medians of {REPEATS},"
+            f" goal {GOAL_MS:g} ms"
         )
         with psycopg.connect(database) as connection, httpx2.Client(base_url=url, timeout=60) as client:
             ids = connection.execute("SELECT id FROM submission LIMIT 2").fetchall()
@@ -72,8 +73,6 @@ def page(client: httpx2.Client, connection: "psycopg.Connection[Any]", path: str
     if answer.status_code != 200:
         columns.append(f"HTTP {answer.status_code}")
     if statement := PEERS.get(path):
-        for name in ("slug", "course", "person"):
-            statement = statement.replace(f":{name}", f"%({name})s")
         values = {"slug": ASSIGNMENT.slug, "course": COURSE, "person": None}
         bare = median(lambda: connection.execute(statement, values).fetchall())
         columns.append(f"SQL statement alone {bare:.0f} ms")

@@ -70,15 +70,17 @@ def format_relative(at: datetime | None) -> Markup | str:
         return "–"
     local, seconds = at.astimezone(ZONE.get()), (at - datetime.now(UTC)).total_seconds()
     lengths = ((90, 1, ""), (5400, 60, "min"), (129600, 3600, "h"), (1209600, 86400, "day"))
-    shown = f"on {local.day} {local:%B}" + (f" {local.year}" if abs(seconds) > HALF_YEAR_S else "")
     for most, length, unit in lengths:
         if abs(seconds) < most:
             count = round(abs(seconds) / length)
             span = f"{count} {unit}{'s' * (unit == 'day' and count != 1)}"
             shown = "now" if not unit else f"in {span}" if seconds > 0 else f"{span} ago"
             break
-    return Markup('<time datetime="{}" title="{}">{}</time>').format(
-        at.astimezone(UTC).isoformat(timespec="seconds"), f"{local:%Y-%m-%d %H:%M} {ZONE.get()}", shown
+    else:
+        shown = f"on {local.day} {local:%B}" + (f" {local.year}" if abs(seconds) > HALF_YEAR_S else "")
+    exact = at.astimezone(UTC).isoformat(timespec="seconds")
+    return Markup(  # noqa: S704 - dates, and the name of a known time zone
+        f'<time datetime="{exact}" title="{local:%Y-%m-%d %H:%M} {ZONE.get()}">{shown}</time>'
     )
 
 

@@ -44,7 +44,7 @@ def serve(settings: Settings) -> int:
         listening = open_socket(settings)
         supervisor = Supervisor(settings)
         supervisor.start()
-        from service.cli.server.http_server import http_server  # a second, while the database starts
+        from service.cli.server.http_server import http_server  # takes a second, in which the database starts
 
         supervisor.wait_until_ready()
         settings = settings.model_copy(update={"database_url": supervisor.url})

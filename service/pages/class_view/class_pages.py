@@ -2,6 +2,7 @@
 tab.
 """
 
+import asyncio
 import gzip
 from statistics import median
 from typing import Annotated, Any, Literal
@@ -107,12 +108,16 @@ async def show_students(
 async def show_checks(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show what went wrong by cause, and the results and margins by check."""
     gradings = gradebook.graded(await gradebook.students(database, assignment.slug))
-    checks = statistics.by_check(assignment, await outcomes.by_check(database, gradings))
+    # at the same time, because each reads all outcomes of the class
+    found, causes = await asyncio.gather(
+        outcomes.by_check(database, gradings), outcomes.by_cause(database, gradings)
+    )
+    checks = statistics.by_check(assignment, found)
     return _page(
         request,
         "class_checks.html",
         assignment,
-        causes=await outcomes.by_cause(database, gradings),
+        causes=causes,
         labels={check.id: check.label for check in assignment.checks()},
         checks=checks,
         decades=statistics.DECADES,

@@ -125,13 +125,12 @@ def exercise_cells(outcomes: Mapping[str, str], exercises: Iterable[Sequence[str
 def _exercise_cell(shown: Sequence[str]) -> str:
     if not shown:
         return EMPTY
-    states = [one.removesuffix("*") for one in shown]
-    star = "*" if any(one.endswith("*") for one in shown) else ""
-    right = states.count("pass")
-    if right == len(states):
+    right, distinct = shown.count("pass") + shown.count("pass*"), set(shown)
+    star = "*" if any(one.endswith("*") for one in distinct) else ""
+    if right == len(shown):
         return CELLS[f"pass{star}"]
-    worst = next(state for state in STATES[1:] if state in states)
-    return _cell(worst, f"{right}/{len(states)}{star}")
+    worst = next(state for state in STATES[1:] if not distinct.isdisjoint((state, f"{state}*")))
+    return _cell(worst, f"{right}/{len(shown)}{star}")
 
 
 def passed(column: Sequence[str]) -> tuple[int, int]:

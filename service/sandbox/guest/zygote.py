@@ -222,7 +222,7 @@ def _fork_reference(layers: Any, fds: list[int], limits: tuple[int, ...]) -> int
     if child := os.fork():
         return child
     layers.own_folder(None)
-    _run("reference", layers, {1: None, 2: None} | dict(enumerate(fds, start=3)), limits)
+    _run("reference_process", layers, {1: None, 2: None} | dict(enumerate(fds, start=3)), limits)
 
 
 def _run(program: str, layers: Any, places: Mapping[int, int | None], limits: tuple[int, ...]) -> NoReturn:

@@ -17,7 +17,7 @@ from exercises.authoring.kinds.dynamics import Sensitivity
 from exercises.authoring.kinds.expression import symbol
 from exercises.authoring.kinds.random import generator, seed
 from exercises.authoring.kinds.stepper import euler, heun, midpoint, rk4, tableau
-from exercises.authoring.notebook import Notebook
+from exercises.authoring.notebook_declaration import Notebook
 from exercises.authoring.questions.author_arguments import Value
 from exercises.authoring.tolerances import absolute, at_most, close, relative
 

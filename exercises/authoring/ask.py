@@ -9,7 +9,7 @@ from exercises.authoring.asked_cell import AskedCell
 from exercises.authoring.asked_motions import AskedAgain, AskedDynamics
 from exercises.authoring.asked_solution import Asked, DeclarationError
 from exercises.authoring.draws import JointDraw, between
-from exercises.authoring.importing.validation_lines import Line
+from exercises.authoring.importing.reported_lines import Line
 from exercises.authoring.kinds.animation import animation, body_animation
 from exercises.authoring.kinds.expression import expression
 from exercises.authoring.kinds.fit import fit

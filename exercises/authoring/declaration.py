@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exercises.authoring.assignments.assignment import Assignment, Sweep
+from exercises.authoring.importing.reported_lines import Line
 from exercises.authoring.importing.self_reported_checks import (
     line_errors,
     published_cells,
     reported_exercises,
 )
-from exercises.authoring.importing.validation_lines import Line
 from exercises.authoring.importing.validation_words import course_packages, course_words
 from exercises.authoring.publishing import publish
 from exercises.authoring.publishing.publish import Section

@@ -10,9 +10,10 @@ from datetime import UTC, datetime
 
 from polhode.report.dataclass_json import read as read_document
 from polhode.report.report import Report
-from service.formats.filenames import UniqueNames, ZipStream, safe_filename
+from service.formats.filenames import UniqueNames, safe_filename
 from service.formats.grade_row import moment
 from service.formats.spreadsheet_csv import BYTE_ORDER_MARK, Value, table
+from service.formats.zip_stream import ZipStream
 from service.store.course.grades import overrides, submissions, trail
 from service.store.database import Database, Row
 from service.store.people.people import ROSTER

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Response
 from fastapi.responses import StreamingResponse
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_lines import is_self_reported
+from exercises.authoring.importing.reported_lines import is_self_reported
 from service.api.archive import course_archive
 from service.api.submissions import Assigned
 from service.auth.roles import Staff

@@ -1,6 +1,4 @@
-"""Renderer of a report: figures rendered on first request, contact sheets, and the speed vs accuracy
-sweep.
-"""
+"""Figures of a report, rendered on first request, contact sheets, and the speed vs accuracy sweep."""
 
 from collections.abc import Awaitable, Callable
 from typing import Literal

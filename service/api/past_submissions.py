@@ -8,7 +8,7 @@ from itertools import zip_longest
 
 from fastapi import APIRouter
 
-from polhode.judging.judge import MARKS, Verdict
+from polhode.judging.verdict import MARKS, Verdict
 from service.api import response_models
 from service.api.submissions import Available
 from service.auth.identity import STAFF, Person, Reader

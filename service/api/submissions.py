@@ -15,7 +15,7 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment, NoAssignment
 from exercises.authoring.assignments.catalogue import assignments, find
-from exercises.authoring.importing.validation_lines import is_self_reported
+from exercises.authoring.importing.reported_lines import is_self_reported
 from polhode.client import kit_hash as kit
 from polhode.report.dataclass_json import document
 from polhode.report.report import Report
@@ -246,10 +246,19 @@ async def store_submission(
     submission = await parse_submission.parse_submission(request, assignment, person.name, large)
     seed = secrets.randbits(48)
     new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, submission, seed, arrived)
+    most = None  # staff may submit for a class
+    if person.single_user:
+        most = SHARED * settings.open_submissions
+    elif person.role not in STAFF:
+        most = settings.open_submissions
     try:
-        return await _accept(
-            database, settings.open_submissions, person, new, idempotency_key or None, repeat
+        return await accept(database, new, idempotency_key or None, most_open=most, repeat=repeat)
+    except TooManyOpen:
+        detail = (
+            f"{most} of your submissions are waiting for their reports, the most that may: submit again when"
+            " one has its report"
         )
+        raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S) from None
     except KeyReused:
         raise Problem(
             422, "key-reused", "this Idempotency-Key was used with a different body: use a new key"
@@ -313,25 +322,6 @@ async def submit(
 
 def _response(submission: response_models.Submission, status: int, headers: dict[str, str]) -> JSONResponse:
     return JSONResponse(submission.model_dump(mode="json", exclude_unset=True), status, headers)
-
-
-async def _accept(
-    database: Db, most: int, person: Person, new: NewSubmission, key: str | None, repeat: bool
-) -> Accepted:
-    """Store the submission. Raises Problem 429 if too many of a student's submissions wait for their
-    reports.
-    """
-    most *= SHARED if person.single_user else 1
-    try:
-        return await accept(database, new, key, most_open=most, repeat=repeat)
-    except TooManyOpen:
-        if not person.single_user and person.role in STAFF:
-            return await accept(database, new, key, repeat=repeat)
-    detail = (
-        f"{most} of your submissions are waiting for their reports, the most that may: submit again when one"
-        " has its report"
-    )
-    raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 
 
 @router.get(

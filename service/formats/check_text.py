@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome, SceneEnd
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Report
 from service.sandbox.untrusted_text import text
 

@@ -11,8 +11,8 @@ from datetime import datetime
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import ExerciseReport
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Report
 from service.formats.check_text import (
     NOTHING,

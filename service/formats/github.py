@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import MARKS, Verdict
 from polhode.judging.outcome import Outcome
+from polhode.judging.verdict import MARKS, Verdict
 from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, sanitize
 from service.formats.source_lines import SourceLines
 from service.grading import graded_file

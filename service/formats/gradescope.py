@@ -11,8 +11,8 @@ from html import escape
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import ExerciseReport, Outcome, Picture
+from polhode.judging.verdict import Verdict
 from polhode.report import failure_causes, report_overview
 from polhode.report.report import Report
 from service.formats import VISIBILITIES, VISIBLE

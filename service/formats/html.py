@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import MARKS
+from polhode.judging.verdict import MARKS
 from polhode.report import report_html
 from service.grading.graded_file import GradedFile, summary
 

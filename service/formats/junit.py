@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Report
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
 from service.formats.source_lines import SourceLines

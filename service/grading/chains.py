@@ -9,7 +9,7 @@ from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
 from polhode.judging.outcome import Ended
-from service.grading.judging import passes
+from service.grading.judge_exercise import passes
 from service.grading.run_in_sandbox import PlayedJob, play_job
 from service.sandbox.job import Job, ReferenceFunctions
 from service.sandbox.sandbox import Sandbox

@@ -1,23 +1,24 @@
 """Grading a submission: draw the scenes, play them in the sandbox, judge the results by the exact answers."""
 
 import functools
+import logging
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from exercises.authoring.assignments import packages
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_lines import reported_lines
+from exercises.authoring.importing.reported_lines import reported_lines
 from polhode.judging.checks import Arrays
 from polhode.judging.claims import Claim, NotebookCheck
 from polhode.judging.exercise import Exercise, attempted
+from polhode.judging.outcome import Diagnosis
 from polhode.report.failure_causes import suspect_lines
 from polhode.report.report import Provenance, Report, pictures
 from service.grading.author_errors import author_errors
 from service.grading.chains import play_chains, with_used
 from service.grading.diagnosis import matching_variants
-from service.grading.diagnosis.diagnosing import diagnose
-from service.grading.judging import judge
+from service.grading.judge_exercise import judge
 from service.grading.published.claims_in_loops import claims_of_solution
 from service.grading.run_in_sandbox import OnProgress, play_job
 from service.grading.sandbox_job import draw_inputs, job_of
@@ -27,6 +28,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
 from service.sandbox.untrusted_text import text
 
+log = logging.getLogger(__name__)
 VERSIONS_OF = ("polhode", *packages.SANDBOX)
 MOST_NAMED = 100  # characters of unknown exercises in a sentence
 
@@ -96,10 +98,15 @@ def _grade(
     result = played.result
     covered = asked if numbers is not None else _covered(asked, result.written)
     variants = TimeBudget(matching_variants.LIMITS)
-    reproduced = functools.cache(
-        lambda question: matching_variants.diagnose_question(assignment, question, played, sandbox, variants)
-    )
-    causes = functools.cache(lambda scene: diagnose(assignment, scene, reproduced))
+
+    @functools.cache
+    def causes(question: str) -> list[Diagnosis]:
+        try:
+            return matching_variants.diagnose_question(assignment, question, played, sandbox, variants)
+        except (ArithmeticError, ValueError):  # numbers too large or small for what compares them
+            log.exception("the diagnosis of question %s failed, so its report has none", question)
+            return []
+
     sections = [judge(e, assignment, played, causes, remarks=chains.remarks) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}

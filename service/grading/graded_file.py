@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended, Outcome, SceneEnd
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Report
 
 MARKS = {"pass": "✓", "fail": "✗", "timeout": "–", "error": "–", "unmeasured": "–"}

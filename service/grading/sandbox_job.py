@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from exercises.authoring.assignments.assignment import Assignment, Inputs, Scene
-from exercises.authoring.importing.validation_lines import reported_lines
+from exercises.authoring.importing.reported_lines import reported_lines
 from polhode.judging.checks import Arrays
 from polhode.kinds.student_calls import unit_of
 from service.grading.published.given_cells import with_published

@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Report, pictures
 
 LATER = "the details of this check have not been released yet"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from polhode.judging.claims import MOST_DETAIL, MOST_LABEL, Claim, kind_of, one_line
-from polhode.judging.judge import Judgement, Verdict
+from polhode.judging.verdict import Judgement, Verdict
 from service.sandbox.guest.cells.claim_recorder import MOST_AXES, MOST_IN_FIELD, MOST_NUMBERS
 
 MOST_BYTES = 8 * MOST_NUMBERS + (1 << 16)

@@ -14,7 +14,7 @@ import scipy.stats
 
 from exercises.random_walks import assignment as walks
 from exercises.random_walks.assignment import notebook
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.kinds import question_checks
 
 

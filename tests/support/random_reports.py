@@ -3,8 +3,8 @@
 from hypothesis import strategies as st
 
 from polhode.judging.claims import NotebookCheck
-from polhode.judging.judge import RowsRight, Verdict
 from polhode.judging.outcome import Diagnosis, Ended, Outcome, Picture, SceneEnd
+from polhode.judging.verdict import RowsRight, Verdict
 from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
 HOSTILE = (

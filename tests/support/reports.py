@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from exercises.authoring.assignments.catalogue import find
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Provenance, Report
 from service.grading.graded_file import GradedFile
 

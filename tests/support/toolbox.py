@@ -10,7 +10,7 @@ import numpy as np
 from exercises.authoring import Notebook
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import find
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.kinds import question_checks
 from tests.support.kit import environment, installed
 

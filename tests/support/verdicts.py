@@ -18,7 +18,7 @@ from typing import Any
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import samples
-from polhode.judging.judge import MARKS
+from polhode.judging.verdict import MARKS
 from polhode.report.report import Report
 from service.grading.diagnosis import matching_variants
 from service.grading.grade_file import GradeOptions, GradeRequest

@@ -26,7 +26,7 @@ import numpy as np
 import pytest
 
 from exercises.authoring.assignments.assignment import ArraySpec
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.report.dataclass_json import document
 from service.grading.grade import grade
 from service.grading.submission import Submission

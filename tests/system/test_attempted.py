@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
+from polhode.judging.verdict import Verdict
 from service.formats import classroom50, github, gradescope, junit
 from service.grading.grade import grade
 from service.grading.graded_file import GradedFile

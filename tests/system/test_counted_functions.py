@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.authoring.assignments.catalogue import find
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.sandbox_job import draw_inputs, job_of
 from service.grading.submission import Submission

@@ -12,7 +12,7 @@ from hypothesis import given
 from markdown_it import MarkdownIt
 
 from exercises.authoring.assignments.catalogue import find
-from polhode.judging.judge import MARKS, Verdict
+from polhode.judging.verdict import MARKS, Verdict
 from service.formats import classroom50, github, gradebooks, grades, gradescope, junit
 from service.formats.check_text import sanitize
 from service.formats.grade_row import row

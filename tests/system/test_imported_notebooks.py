@@ -13,7 +13,7 @@ import pytest
 
 from exercises.authoring.importing.assignment_file import Findings, assignment_file
 from exercises.authoring.importing.importing import read_published
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -133,8 +133,8 @@ PASSING = (
         (
             published(
                 (
-                    "total = 11\nimport polhode.judging.judge\n"
-                    "polhode.judging.judge.close = None\nvalidate = None\n",
+                    "total = 11\nimport polhode.judging.comparisons\n"
+                    "polhode.judging.comparisons.close = None\nvalidate = None\n",
                     *SOLUTIONS[1:],
                 )
             ),

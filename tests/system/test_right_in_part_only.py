@@ -2,7 +2,7 @@
 
 import pytest
 
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.right_in_part_only import IN_PART, POINTS, RIGHT, source

@@ -4,7 +4,7 @@ sandbox, none passes.
 
 import pytest
 
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.right_on_motions_only import ONLY_HERE, RIGHT, source

@@ -19,7 +19,7 @@ from exercises.authoring.assignments.course_imports import distributions
 from exercises.authoring.assignments.listing_index import IndexedAssignment, read_index, write_index
 from exercises.authoring.assignments.validation import format_error, syntax_errors
 from exercises.authoring.importing.validation_words import COURSE_FOLDER
-from exercises.authoring.notebook import Notebook
+from exercises.authoring.notebook_declaration import Notebook
 
 SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"
 DECLARATION = "assignment.py"

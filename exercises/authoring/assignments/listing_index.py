@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_lines import reported_lines
+from exercises.authoring.importing.reported_lines import reported_lines
 
 INDEX = Path("__pycache__", "index.json")
 SHOWN = ("title", "version", "packages", "most_points", "points_note")

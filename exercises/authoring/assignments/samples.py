@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 
 
 @dataclass(frozen=True)

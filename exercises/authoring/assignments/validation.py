@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_lines import ReportedLine
+from exercises.authoring.importing.reported_lines import ReportedLine
 from polhode.judging.author_errors import AuthorError
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have

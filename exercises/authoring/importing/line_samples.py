@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from exercises.authoring.assignments.assignment import Assignment
-from exercises.authoring.importing.validation_lines import Line, reported_lines
-from polhode.judging.judge import Verdict
+from exercises.authoring.importing.reported_lines import Line, reported_lines
 from polhode.judging.outcome import Outcome
+from polhode.judging.verdict import Verdict
 from polhode.notebook.cell_to_python import statements_of
 from polhode.report.report import Report
 

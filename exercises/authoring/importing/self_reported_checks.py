@@ -12,14 +12,14 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from exercises.authoring.assignments.assignment import PublishedCell
+from exercises.authoring.importing.reported_lines import NOTEBOOK, TRUTH, Line, ReportedLine
 from exercises.authoring.importing.validation_calls import Call, calls
-from exercises.authoring.importing.validation_lines import NOTEBOOK, TRUTH, Line, ReportedLine
 from exercises.authoring.importing.validation_words import Words
 from exercises.authoring.questions.author_notebook import INSTALL, Cell
 from polhode.judging.checks import Check
 from polhode.judging.exercise import Exercise
-from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Judgement
 from polhode.notebook.cell_to_python import python_of, statements_of
 
 WITHIN_EXERCISE = re.compile(r"(validation|solution)\b", re.IGNORECASE)

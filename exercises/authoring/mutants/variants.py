@@ -14,7 +14,7 @@ from exercises.authoring.mutants.solution import Variant
 from exercises.authoring.portable_source import WrittenMistake
 from exercises.authoring.questions.author_arguments import Mistake
 from exercises.authoring.questions.question import Question
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 
 
 def variants_of(question: Question, before: str) -> list[Variant]:

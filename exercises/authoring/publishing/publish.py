@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from exercises.authoring.importing.validation_lines import Line
+from exercises.authoring.importing.reported_lines import Line
 from exercises.authoring.questions.author_notebook import SOLUTION, Cell, with_ids
 from exercises.authoring.questions.question import Question
 from polhode.notebook.cell_to_python import DEFINITION, python_of, statements_of

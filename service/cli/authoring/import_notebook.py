@@ -17,8 +17,8 @@ from exercises.authoring.assignments.assignment import InvalidAssignment
 from exercises.authoring.assignments.listing_index import line_counts
 from exercises.authoring.importing.assignment_file import Findings, assignment_file
 from exercises.authoring.importing.importing import PublishedNotebook, read_published
+from exercises.authoring.importing.reported_lines import IN_WORDS
 from exercises.authoring.importing.requirements import requirements
-from exercises.authoring.importing.validation_lines import IN_WORDS
 from exercises.authoring.importing.validation_words import COURSE_FOLDER
 from exercises.authoring.questions.author_notebook import InvalidNotebook
 from service.cli.authoring.new_assignment import CannotScaffold, created

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from exercises.authoring.assignments.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.authoring.assignments.catalogue import find
 from exercises.authoring.mutants.solution import Variant
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Outcome
+from polhode.judging.verdict import Verdict
 from service.cli.arguments import count
 from service.cli.errors import CommandError
 from service.grading.diagnosis.matching_variants import play_variants

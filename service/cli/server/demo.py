@@ -16,7 +16,7 @@ from typing import Any
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.samples import Sample, samples
 from exercises.authoring.mutants.variants import MadeSample
-from polhode.judging.judge import MARKS, Verdict
+from polhode.judging.verdict import MARKS, Verdict
 from polhode.report.dataclass_json import read
 from polhode.report.report import Report
 from service.cli.server.demo_class import STUDENTS, add_class, logins

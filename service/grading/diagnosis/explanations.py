@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from exercises.authoring.mutants.solution import Variant
 from polhode.judging.checks import Arrays
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
+from polhode.judging.verdict import Verdict
 from polhode.kinds import reproduces
 from polhode.kinds.values import agreement, finite_alike, own_scale, to_rounding
 from service.grading.diagnosis.number_patterns import (

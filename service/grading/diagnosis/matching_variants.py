@@ -4,7 +4,7 @@ The variants are played in the sandbox, without the submission, because a wrong 
 """
 
 import functools
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -17,7 +17,6 @@ from exercises.authoring.mutants.solution import Variant
 from polhode.judging.checks import Arrays
 from polhode.judging.outcome import Diagnosis
 from polhode.kinds import diagnose, reproduces
-from service.grading.diagnosis.diagnosing import with_scenes
 from service.grading.diagnosis.explanations import (
     WHOLE,
     Cause,
@@ -76,7 +75,7 @@ def diagnose_question(
         if own is None and _is_wrong(scene, played):
             own = unrepeatable(scene.question, arrays[scene.name], played.truths[scene.name]) or None
         if own is not None:
-            return with_scenes(own, [scene.name])
+            return _with_scenes(own, [scene.name])
 
     def play_versions(of: PlayedJob, scene: Scene, versions: Sequence[Variant]) -> dict[Variant, Arrays]:
         assert scene.question is not None
@@ -124,8 +123,13 @@ def diagnose_question(
     for scene in (scene for scene in scenes if wrong.get(scene.name)):
         assert scene.question is not None
         if found := in_general(scene.question, arrays[scene.name], played.truths[scene.name]):
-            return with_scenes(found, [scene.name])
+            return _with_scenes(found, [scene.name])
     return []
+
+
+def _with_scenes(found: list[Diagnosis], scenes: Iterable[str]) -> list[Diagnosis]:
+    """Return diagnoses that record the ``scenes`` whose results show them."""
+    return [replace(one, scenes=tuple(scenes)) for one in found]
 
 
 def _declared(assignment: Assignment, id: str) -> list[Variant]:
@@ -235,7 +239,7 @@ def _explained(
         if not callable(scene.inputs):
             public = diagnoses(left, student, right), tuple(used)
     given = diagnoses(left, student, right)
-    return with_scenes(given, public[1] if given == public[0] else used), _all_declared(left)
+    return _with_scenes(given, public[1] if given == public[0] else used), _all_declared(left)
 
 
 def _all_declared(left: Mapping[Component, Collection[Cause]]) -> bool:

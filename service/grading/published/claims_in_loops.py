@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.line_samples import solved_notebook
-from exercises.authoring.importing.validation_lines import reported_lines
+from exercises.authoring.importing.reported_lines import reported_lines
 from service.grading.sandbox_job import job_of
 from service.grading.submission import Submission
 from service.sandbox.result import TooBusy

@@ -19,8 +19,8 @@ from exercises.authoring.importing.student_influence import (
     influenced,
     is_independent,
 )
-from polhode.judging.judge import Verdict
-from service.grading.judging import NOT_DEFINED
+from polhode.judging.verdict import Verdict
+from service.grading.judge_exercise import NOT_DEFINED
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import CellCost, PlayResult
 from service.sandbox.sandbox import Sandbox

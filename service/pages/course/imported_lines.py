@@ -7,7 +7,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from exercises.authoring.assignments.catalogue import assignments
 from exercises.authoring.assignments.listing_index import line_counts
-from exercises.authoring.importing.validation_lines import IN_WORDS, Status, reported_lines
+from exercises.authoring.importing.reported_lines import IN_WORDS, Status, reported_lines
 from service.auth.roles import Staff
 from service.http.errors import Problem
 from service.http.templating import templates

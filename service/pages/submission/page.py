@@ -13,8 +13,8 @@ from markupsafe import Markup
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.catalogue import assignments
 from polhode.judging.exercise import Motion
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended, Outcome, SceneEnd
+from polhode.judging.verdict import Verdict
 from polhode.report import report_html
 from polhode.report.report import Report
 from polhode.report.student_line import StudentLine

@@ -12,8 +12,8 @@ from exercises.authoring.draws import Drawing
 from exercises.authoring.kinds.dynamics import ALONG, NODES
 from exercises.rigid_body import draws
 from polhode import kinds
-from polhode.judging.judge import Verdict
 from polhode.judging.return_value import WrongAnswer
+from polhode.judging.verdict import Verdict
 from service.grading.sandbox_job import draw_inputs, truth
 
 MOTIONS = (

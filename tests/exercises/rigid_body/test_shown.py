@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exercises.rigid_body.shown import SYMMETRIC
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.sandbox_job import draw_inputs, truth
 
 # By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth

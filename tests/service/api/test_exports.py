@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import pytest
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended, ExerciseReport, Outcome, SceneEnd, Tolerance
+from polhode.judging.verdict import Verdict
 from polhode.report.report import Provenance, Report
 from service.grading.submission import Submission
 from service.store.people import people, tokens

@@ -13,8 +13,8 @@ from datetime import UTC, datetime, timedelta
 import pytest
 from fastapi.routing import APIRoute
 
-from polhode.judging.judge import RowsRight
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Picture, SceneEnd
+from polhode.judging.verdict import RowsRight
 from service import app
 from service.api import figures
 from service.store.course import assignment_settings, overrides

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, ValidationError, model_validator
 
-from polhode.judging.judge import RowsRight
+from polhode.judging.verdict import RowsRight
 from service.formats.check_text import NoVerdict
 from service.formats.classroom50 import SubmissionInfo, document
 from tests.support.reports import example, graded_file, outcome, report

@@ -3,7 +3,7 @@
 import csv
 import io
 
-from polhode.judging.judge import RowsRight
+from polhode.judging.verdict import RowsRight
 from service.formats import gradebooks, grades
 from service.formats.grade_row import row, rows
 from tests.support.reports import example, graded_file, outcome, report

@@ -10,8 +10,8 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-from polhode.judging.judge import RowsRight
 from polhode.judging.outcome import Diagnosis, Picture
+from polhode.judging.verdict import RowsRight
 from service.formats.check_text import NoVerdict
 from service.formats.gradescope import MOST_PICTURES, VISIBILITIES, document
 from tests.support.reports import example, graded_file, outcome, report

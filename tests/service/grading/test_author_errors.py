@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
+from polhode.judging.verdict import Verdict
 from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.report.dataclass_json import document, read
 from polhode.report.report import Report
 from polhode.report.report_html import html

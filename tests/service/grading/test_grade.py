@@ -5,7 +5,7 @@ import json
 import pytest
 
 from exercises.authoring.assignments.samples import samples
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.report.dataclass_json import document, read
 from polhode.report.report import Report
 from service.grading.grade import UnknownExercise, grade

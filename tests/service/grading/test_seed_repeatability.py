@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.authoring.assignments.catalogue import find
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 

@@ -3,8 +3,8 @@
 import pytest
 
 from exercises.authoring.assignments.catalogue import find
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.grading.withholding import LATER, without_details

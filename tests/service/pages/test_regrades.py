@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from polhode.judging.judge import RowsRight
+from polhode.judging.verdict import RowsRight
 from service.store.submissions import records
 from tests.support.database import run, sql
 from tests.support.reports import outcome, report

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.sandbox.claim_frames import Field, read, shape_of
 from service.sandbox.guest.cells.claim_recorder import MOST_NUMBERS
 from service.sandbox.untrusted_text import text

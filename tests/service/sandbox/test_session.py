@@ -8,8 +8,8 @@ from functools import partial
 
 import pytest
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Ended
+from polhode.judging.verdict import Verdict
 from polhode.report.dataclass_json import document
 from service.grading.figures import rendering
 from service.grading.grade import grade

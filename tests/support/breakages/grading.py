@@ -12,7 +12,7 @@ GRADING = [
     ),
     Breakage(
         "hidden checks are reported as public ones",
-        "service/grading/judging.py",
+        "service/grading/judge_exercise.py",
         "outcome.hidden = assignment.hidden(check)",
         "outcome.hidden = False",
         ("tests/service/grading/test_grade.py::test_what_is_hidden_tells_no_inputs",),

@@ -324,7 +324,7 @@ SANDBOX = [
     ),
     Breakage(
         "a loop of a published notebook may make fewer claims than with the author's solution",
-        "exercises/authoring/importing/validation_lines.py",
+        "exercises/authoring/importing/reported_lines.py",
         "len(judged) < solution and",
         "len(judged) < 0 and",
         ("tests/system/test_imported_notebooks.py",),

@@ -31,11 +31,11 @@ from polhode.judging.author_errors import (
 )
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Exercise, attempted, points
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from polhode.judging.remarks import Absent, Notes, noting, unsaid
 from polhode.judging.return_value import describe_exception, is_written, missing
 from polhode.judging.time_limit import OutOfTime, limited
+from polhode.judging.verdict import Verdict
 from polhode.report.failure_causes import suspect_lines
 from polhode.report.report import Provenance, Report, pictures
 

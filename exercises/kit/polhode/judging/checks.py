@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.author_errors import LIBRARIES, AuthorError, has_truth, located, with_truth
-from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Outcome, Tolerance
+from polhode.judging.verdict import Judgement, Verdict
 
 Arrays = Mapping[str, NDArray[Any]]
 Measure = Callable[..., Any]
@@ -108,7 +108,7 @@ class Check:
         frames = [
             f
             for f in traceback.extract_tb(error.__traceback__)
-            if f.filename not in (__file__, judge.__file__)
+            if f.filename not in (__file__, comparisons.__file__)
         ]
         if own := [frame for frame in frames if not LIBRARIES & set(Path(frame.filename).parts)]:
             return located(error, own[-1])
@@ -203,7 +203,7 @@ def close(
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         want = expected(*truth) if callable(expected) else expected
-        return judge.close(measured(*seen), want, rtol, atol)
+        return comparisons.close(measured(*seen), want, rtol, atol)
 
     return Check(id, label, scenes, word, Tolerance(rtol=rtol, atol=atol, reason=reason), locate)
 
@@ -243,7 +243,7 @@ def within(
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         allowed = allow(*truth).limit if allow else limit
         assert isinstance(allowed, float)
-        return judge.within(measured(*seen), expected(*truth), scale(*truth), allowed)
+        return comparisons.within(measured(*seen), expected(*truth), scale(*truth), allowed)
 
     return Check(
         id,
@@ -282,7 +282,7 @@ def conserved(
     """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        return judge.conserved(series(*seen), limit)
+        return comparisons.conserved(series(*seen), limit)
 
     return Check(id, label, scenes, word, Tolerance(limit=limit, reason=reason), locate)
 
@@ -314,7 +314,7 @@ def below(
     """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        return judge.below(measured(*seen), limit)
+        return comparisons.below(measured(*seen), limit)
 
     return Check(id, label, scenes, word, Tolerance(limit=limit, reason=reason), locate)
 
@@ -342,7 +342,7 @@ def holds(
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         ok, detail = claim(*seen)
-        return judge.holds(ok, detail)
+        return comparisons.holds(ok, detail)
 
     return Check(id, label, scenes, word, Tolerance(reason=reason), hint=hint)
 
@@ -365,6 +365,6 @@ def shows(
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         ok, detail = claim(*seen, *truth)
-        return Judgement(Verdict.UNMEASURED, detail) if ok is None else judge.holds(ok, detail)
+        return Judgement(Verdict.UNMEASURED, detail) if ok is None else comparisons.holds(ok, detail)
 
     return Check(id, label, scenes, word, Tolerance(reason=reason))

@@ -10,8 +10,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.judging import judge
-from polhode.judging.judge import Judgement, Verdict
+from polhode.judging import comparisons
+from polhode.judging.verdict import MARKS, Judgement, Verdict, line, verdict_of
 
 Array = NDArray[np.float64] | NDArray[np.complex128]
 MODULE, WORDS = "validate", "words.txt"
@@ -57,9 +57,9 @@ class Claim:
             return Judgement(Verdict.UNMEASURED, f"not measured: {self.left_out}")
         if self.unjudged:
             reported = f"as your notebook reports it, not judged again: {self.unjudged}"
-            return judge.holds(self.said, f"{self.detail}; {reported}" if self.detail else reported)
+            return comparisons.holds(self.said, f"{self.detail}; {reported}" if self.detail else reported)
         found = self.found or self._found()
-        printed = self.mark == judge.MARKS[found.verdict]
+        printed = self.mark == MARKS[found.verdict]
         detail = self.detail if printed else self.own or found.detail
         return Judgement(found.verdict, detail, found.measured, found.expected, found.margin)
 
@@ -102,7 +102,7 @@ class NotebookCheck:
     @property
     def line(self) -> str:
         """Return the ✓/✗ line as the notebook prints it."""
-        return judge.line(self.verdict, self.label, self.detail)
+        return line(self.verdict, self.label, self.detail)
 
 
 def _together(kind: str, one: Judgement, other: Judgement) -> Judgement:
@@ -112,7 +112,7 @@ def _together(kind: str, one: Judgement, other: Judgement) -> Judgement:
     worse = other if measured[1] > measured[0] else one
     both = one.verdict is other.verdict is Verdict.PASS
     margins = [found.margin for found in (one, other) if found.margin is not None]
-    return replace(worse, verdict=judge.verdict(both), margin=min(margins, default=None))
+    return replace(worse, verdict=verdict_of(both), margin=min(margins, default=None))
 
 
 def one_line(value: Any, most: int) -> str:
@@ -136,9 +136,9 @@ def _close(got: Array, expected: Array, rtol: float, atol: float) -> Judgement:
     if not fits:
         shapes = f"shape {got.shape} vs expected shape {expected.shape} {tolerance}"
         return Judgement(Verdict.FAIL, shapes, misshapen=True)
-    verdict = judge.verdict(bool(np.allclose(got, expected, rtol=rtol, atol=atol)))
+    verdict = verdict_of(bool(np.allclose(got, expected, rtol=rtol, atol=atol)))
     delta = np.where(got == expected, 0.0, np.abs(got - expected))
-    margin = judge.least_margin(delta, np.broadcast_to(atol + rtol * np.abs(expected), delta.shape))
+    margin = comparisons.least_margin(delta, np.broadcast_to(atol + rtol * np.abs(expected), delta.shape))
     if got.size == expected.size == 1 and not np.iscomplexobj(got) and not np.iscomplexobj(expected):
         seen, want = float(got.real.item()), float(expected.real.item())
         return Judgement(verdict, f"got {seen:.6g} vs expected {want:.6g} {tolerance}", seen, want, margin)
@@ -152,25 +152,25 @@ def _conserved(series: NDArray[np.float64], limit: float) -> Judgement:
     first = np.abs(values[:1])
     drift = np.abs(values - values[:1]) / np.where(first > 0, first, 1.0)
     largest = float(drift.max()) if drift.size else np.nan
-    margin = judge.least_margin(drift, np.full_like(drift, limit))
+    margin = comparisons.least_margin(drift, np.full_like(drift, limit))
     detail = f"max relative drift = {largest:.6g} (limit {limit:g})"
-    return Judgement(judge.verdict(largest < limit), detail, largest, 0.0, margin)
+    return Judgement(verdict_of(largest < limit), detail, largest, 0.0, margin)
 
 
 def _check(passed: NDArray[np.float64]) -> Judgement:
-    return judge.holds(bool(np.array_equal(passed, 1.0)), "")
+    return comparisons.holds(bool(np.array_equal(passed, 1.0)), "")
 
 
 def _positive(value: NDArray[np.float64]) -> Judgement:
     smallest = float(value.min()) if value.size else np.nan
-    return Judgement(judge.verdict(smallest > 0), f"value = {smallest:.6g}", smallest)
+    return Judgement(verdict_of(smallest > 0), f"value = {smallest:.6g}", smallest)
 
 
 def _below(value: NDArray[np.float64], limit: float) -> Judgement:
     largest = float(value.max()) if value.size else np.nan
-    margin = judge.least_margin(value, np.full_like(value, limit))
+    margin = comparisons.least_margin(value, np.full_like(value, limit))
     detail = f"{largest:.6g} < {limit:.6g}"
-    return Judgement(judge.verdict(largest < limit), detail, largest, None, margin)
+    return Judgement(verdict_of(largest < limit), detail, largest, None, margin)
 
 
 KINDS: Mapping[str, Kind] = {
@@ -190,7 +190,7 @@ def words_in(folder: Path) -> dict[str, list[str]]:
     modules = [".".join(place.relative_to(folder).with_suffix("").parts) for place in sorted(places)]
     found = {module: list(KINDS) for module in modules}
     text = (folder / WORDS).read_text(encoding="utf-8") if (folder / WORDS).is_file() else ""
-    for module, _, listed in (line.partition(":") for line in text.splitlines() if ":" in line):
+    for module, _, listed in (one.partition(":") for one in text.splitlines() if ":" in one):
         found[module.strip()] = [*found.get(module.strip(), ()), *listed.replace(",", " ").split()]
     return found
 

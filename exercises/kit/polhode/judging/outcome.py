@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import ClassVar
 
-from polhode.judging.judge import RowsRight, Verdict, line
+from polhode.judging.verdict import RowsRight, Verdict, line
 from polhode.report.student_line import StudentLine, raised
 
 SELF_REPORTED = "self-reported, no points"

@@ -19,8 +19,8 @@ import numpy as np
 
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Exercise
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis
+from polhode.judging.verdict import Verdict
 from polhode.kinds import animation, expression, fit, motions, ode, random, stepper, values, variables
 from polhode.kinds.animation import animation_of_cell
 from polhode.kinds.student_calls import each

@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.cpu_time import seconds_of_a_call, timed_runs
 from polhode.judging.exercise import Figure, Motion
 from polhode.judging.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
-from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Tolerance
 from polhode.judging.return_value import WrongAnswer, real_array
+from polhode.judging.verdict import Judgement, Verdict
 
 # the notebook's settings
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
@@ -183,13 +183,13 @@ def _check(question: Mapping[str, Any], check: Mapping[str, Any], along: bool) -
         found = _measured(question, check, seen, truth)
         match check["word"]:
             case "conserved":
-                return judge.conserved(found, tolerance.limit or 0.0)
+                return comparisons.conserved(found, tolerance.limit or 0.0)
             case "below":
-                return judge.below(found, tolerance.limit or 0.0)
+                return comparisons.below(found, tolerance.limit or 0.0)
             case "holds":
-                return judge.holds(*found)
+                return comparisons.holds(*found)
         exact = truth[0][f"exact {check['name']}"]
-        return judge.close(found, exact, tolerance.rtol or 0.0, tolerance.atol or 0.0)
+        return comparisons.close(found, exact, tolerance.rtol or 0.0, tolerance.atol or 0.0)
 
     def place(index: tuple[int, ...], *seen: Arrays) -> str:
         if len(scenes) > 1:
@@ -222,7 +222,7 @@ def _follows(question: Mapping[str, Any], check: Mapping[str, Any], id: str, alo
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         scale = 1.0 if array == "R" else np.linalg.norm(truth[0][array][:, 0])
-        found = judge.within(seen[0][array], truth[0][array], scale, as_closely(truth[0]).limit or 0.0)
+        found = comparisons.within(seen[0][array], truth[0][array], scale, as_closely(truth[0]).limit or 0.0)
         if not along or found.verdict is not Verdict.PASS:
             return found
         bound = _bound(question, motion, seen[1], truth[1])
@@ -277,7 +277,7 @@ def _bound(question: Mapping[str, Any], motion: str, seen: Arrays, truth: Arrays
         bound = float(off * known["duration"] * known["turned"])
     limit = float(as_closely(known).limit or 0.0)
     how = f"{question['function']} at {len(rows)} points along the exact motion"
-    found = judge.within(bound, 0.0, 1.0, limit)
+    found = comparisons.within(bound, 0.0, 1.0, limit)
     return replace(found, detail=f"max|Δ|/scale ≤ {bound:.6g} (limit {limit:g}), by {how}", where=None)
 
 

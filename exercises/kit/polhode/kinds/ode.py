@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.cpu_time import seconds_of_a_call, timed_runs
 from polhode.judging.exercise import Figure
 from polhode.judging.integration import Array, Evaluate, IntegrationStopped, Rates, integrate
-from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
 from polhode.judging.return_value import WrongAnswer
+from polhode.judging.verdict import Judgement
 from polhode.kinds.student_calls import (
     arguments,
     describe,
@@ -123,7 +123,7 @@ def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
     tolerance, name, id = Tolerance(**question["follow"]), question["function"], question["id"]
 
     def follows(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        return judge.within(
+        return comparisons.within(
             *deviation(question, seen[0]["motion"], truth[0]["motion"]), tolerance.limit or 0.0
         )
 
@@ -155,7 +155,7 @@ def _drift(
                 float(value(t, split([state], given, y)[state]))
                 for t, y in zip(times(question), motion.T, strict=True)
             ]
-        every.append(judge.conserved(series, limit))
+        every.append(comparisons.conserved(series, limit))
     worst = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
     return replace(every[worst], where=(worst, *(every[worst].where or (0,))))
 

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.checks import Arrays, Check, holds
-from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Judgement
 from polhode.kinds.student_calls import arguments, call, describe, each, returned, stacked
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     def check(name: str, about: str, test: Callable[..., Test]) -> Check:
         def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
             used, limit, text = test(question, seen[0], truth[0])
-            judgement, worst = judge.below(used, limit), float(used.max())
+            judgement, worst = comparisons.below(used, limit), float(used.max())
             return replace(judgement, detail=text.format(worst), measured=worst, expected=0.0)
 
         tolerance = Tolerance(**question[name if name in ERRORS else "tolerance"])

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.checks import Arrays, Check, close
 from polhode.judging.cpu_time import thread_time
 from polhode.judging.exercise import Figure
-from polhode.judging.judge import Judgement
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Judgement
 from polhode.kinds.student_calls import Counted, arguments, call, flat, part_figure, restart, returned, split
 from polhode.kinds.values import checks, play  # noqa: F401
 from polhode.report.figure_parts import legend_above
@@ -184,11 +184,11 @@ def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
         with np.errstate(all="ignore"):
             found = observed_order(errors(seen[0]["ends"], truth[0]["ends"]))
         if found is None:
-            return judge.holds(True, f"the errors are below {ROUNDING:g} of the state")
+            return comparisons.holds(True, f"the errors are below {ROUNDING:g} of the state")
         if not np.isfinite(found):
             raise ArithmeticError("the errors overflow")
         least = wanted - tolerance.atol
-        judgement = judge.holds(found >= least, f"got {found:.6g} (at least {least:g})")
+        judgement = comparisons.holds(found >= least, f"got {found:.6g} (at least {least:g})")
         return replace(judgement, measured=found, expected=float(wanted))
 
     return [Check(id, f"{function} converges with order {wanted:g}", (scene,), word, tolerance)]

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.checks import Arrays, Check, Locate, below
-from polhode.judging.judge import Judgement, RowsRight, Verdict
 from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import Kept
+from polhode.judging.verdict import Judgement, RowsRight, Verdict
 from polhode.kinds.equivalent_values import aligned
 from polhode.kinds.student_calls import Counted, NotFinite, arguments, call, describe, each, returned
 
@@ -177,5 +177,7 @@ def agreement(value: Mapping[str, Any], got: Any, want: Any, scale: Any = None) 
     """
     tolerance, got = Tolerance(**value["tolerance"]), aligned(got, want, value.get("up_to"))
     if tolerance.limit is None:
-        return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
-    return judge.within(got, want, np.abs(want).max() or 1.0 if scale is None else scale, tolerance.limit)
+        return comparisons.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
+    return comparisons.within(
+        got, want, np.abs(want).max() or 1.0 if scale is None else scale, tolerance.limit
+    )

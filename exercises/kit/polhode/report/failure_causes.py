@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, ExerciseReport, Outcome, SceneEnd
+from polhode.judging.verdict import Verdict
 from polhode.report.student_line import FRAME, StudentLine, of_component
 
 FIRST, NEXT, LOOK = "Fix this first", "Then", "Look at this first"

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 from polhode.judging.claims import NotebookCheck
 from polhode.judging.exercise import Exercise
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import SELF_REPORTED, ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
+from polhode.judging.verdict import Verdict
 from polhode.report import failure_causes, report_overview
 from polhode.report.failure_causes import exercises_named
 from polhode.report.report_overview import Overview

@@ -9,8 +9,8 @@ from dataclasses import replace
 from html import escape
 
 from polhode.client.errors import RequestError
-from polhode.judging.judge import MARKS, Verdict
 from polhode.judging.outcome import SELF_REPORTED, Diagnosis, ExerciseReport, Outcome, Picture
+from polhode.judging.verdict import MARKS, Verdict
 from polhode.report.failure_causes import FIRST, LOOK, NEXT, Cause
 from polhode.report.report import OWN_CHECKS, Report, no_picture
 from polhode.report.report_overview import Overview, Section

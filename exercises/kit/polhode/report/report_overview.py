@@ -6,8 +6,8 @@ The page, the notebook and the text of a report show this overview.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from polhode.judging.judge import Verdict, line
 from polhode.judging.outcome import SELF_REPORTED, ExerciseReport, Outcome, SceneEnd
+from polhode.judging.verdict import Verdict, line
 from polhode.report.failure_causes import Cause, causes, counted, exercises_named, reasons
 from polhode.report.student_line import StudentLine
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.importing.line_samples import line_samples
-from exercises.authoring.importing.validation_lines import reported_lines
+from exercises.authoring.importing.reported_lines import reported_lines
 from service.grading.grade_file import GradeOptions, GradeRequest
 from service.grading.grade_files import grade_files
 from service.sandbox.isolation.levels import Isolation

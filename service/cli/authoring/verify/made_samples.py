@@ -13,7 +13,7 @@ from pathlib import Path
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.validation import format_error
 from exercises.authoring.mutants.variants import UNSEEN, MadeSample
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.kinds import NEW_INPUTS
 from polhode.report.dataclass_json import document
 from polhode.report.report import Report

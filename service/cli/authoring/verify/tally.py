@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from exercises.authoring.assignments.assignment import Assignment
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.graded_file import GradedFile
 from service.sandbox.time_budget import DEFAULT_LIMITS
 

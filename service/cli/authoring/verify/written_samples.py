@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 
 from exercises.authoring.assignments.assignment import Assignment
 from exercises.authoring.assignments.samples import Sample, SampleSet, codes, entry, with_entries
-from polhode.judging.judge import MARKS
 from polhode.judging.outcome import Ended
+from polhode.judging.verdict import MARKS
 from polhode.report.dataclass_json import document
 from polhode.report.report import Report
 from service.cli.authoring.verify.tally import Tally, cpu_warning

@@ -9,8 +9,8 @@ import pytest
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 
 from exercises.authoring.kinds.animation import animation
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Verdict
 from polhode.kinds import question_checks
 from polhode.kinds.animation.trajectories import followed
 from service.grading.grade import grade

@@ -8,7 +8,7 @@ import pytest
 import reference
 from exercises.authoring.assignments.catalogue import find
 from exercises.authoring.kinds.dynamics import ALONG
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from polhode.kinds import play
 from service.grading.sandbox_job import draw_inputs, truth
 

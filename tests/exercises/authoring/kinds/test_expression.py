@@ -6,7 +6,7 @@ import sys
 import pytest
 import sympy
 
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.isolation.select import choose, with_packages

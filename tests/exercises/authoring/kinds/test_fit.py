@@ -6,8 +6,8 @@ from scipy.optimize import curve_fit
 
 from exercises.authoring.draws import between
 from exercises.authoring.kinds.fit import fit
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Verdict
 from polhode.kinds import question_checks
 from tests.support.solutions import solution
 

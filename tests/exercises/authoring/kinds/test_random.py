@@ -11,8 +11,8 @@ import pytest
 from exercises.authoring.draws import between
 from exercises.authoring.kinds.random import estimate, generator, samples, seed
 from exercises.authoring.questions.question_errors import question_errors
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Verdict
 from polhode.kinds import question_checks
 from polhode.kinds.random import ESTIMATES, SAMPLES
 from service.grading.grade import grade

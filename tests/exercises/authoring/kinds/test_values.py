@@ -10,8 +10,8 @@ from exercises.authoring.draws import array_of, between, integer
 from exercises.authoring.kinds.values import values
 from exercises.authoring.questions.author_arguments import Value
 from polhode.judging.author_errors import AuthorError
-from polhode.judging.judge import RowsRight, Verdict
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import RowsRight, Verdict
 from polhode.kinds.values import agreement, credited
 from service.grading.grade import grade
 from service.grading.submission import Submission

@@ -3,8 +3,8 @@
 import pytest
 
 from exercises.authoring.kinds.variables import variables
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Tolerance
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known

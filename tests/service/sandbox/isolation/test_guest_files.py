@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from matplotlib import font_manager, get_cachedir
 
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.grade_file import GradeOptions, GradeRequest
 from service.grading.grade_files import grade_files

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from polhode.judging.judge import RowsRight
+from polhode.judging.verdict import RowsRight
 from service.store.course import gradebook, grades, outcomes, overrides
 from service.store.course.overrides import OverrideRejected, give, withdraw
 from service.store.postgres.backup import check

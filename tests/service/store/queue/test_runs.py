@@ -9,8 +9,8 @@ from dataclasses import replace
 import psycopg
 import pytest
 
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Outcome, Tolerance
+from polhode.judging.verdict import Verdict
 from polhode.report.report import ExerciseReport, Provenance, Report
 from service.store.queue import runs, workers
 from service.store.queue.overview import regrade, snapshot

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from polhode.animation.animation_recording import record
-from polhode.judging import judge
+from polhode.judging import comparisons
 from polhode.judging.checks import Arrays, Check
 from polhode.judging.exercise import Animation
-from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Diagnosis, Tolerance
 from polhode.judging.return_value import check_signature
+from polhode.judging.verdict import Judgement, Verdict
 from polhode.kinds.animation.animation_of_cell import NOT_OWN, FromCell
 from polhode.kinds.student_calls import arguments, call, each_row
 
@@ -123,7 +123,7 @@ def _follows(question: Mapping[str, Any], name: str, scene: str, id: str, suffix
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         shown = _followed(question, seen[0], truth[0])[name]
         if shown.misfit is not None:
-            judged = judge.below(shown.misfit, question["agree"]["limit"])
+            judged = comparisons.below(shown.misfit, question["agree"]["limit"])
             return replace(judged, detail=f"{shown.sentence}, misfit: {judged.detail}")
         return Judgement(Verdict.UNMEASURED if shown.found is None else Verdict.FAIL, shown.sentence)
 

@@ -13,8 +13,9 @@ from matplotlib.transforms import Affine2D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from polhode.animation import animate, animation_recording, artist_points
-from polhode.judging import judge, return_value
+from polhode.judging import comparisons, return_value
 from polhode.judging.return_value import WrongAnswer
+from polhode.judging.verdict import Verdict
 
 
 def test_takes_and_exchanged():
@@ -114,18 +115,18 @@ def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
 
 
 def test_within():
-    good = judge.within([1.0, 2.0], [1.0, 2.1], [1.0, 2.0], 0.06)
+    good = comparisons.within([1.0, 2.0], [1.0, 2.1], [1.0, 2.0], 0.06)
     assert (
-        good.verdict is judge.Verdict.PASS
+        good.verdict is Verdict.PASS
         and good.detail == "max|Δ|/scale = 0.05 (limit 0.06)"
         and good.where == (1,)
     )
-    assert judge.within([1.0, 2.0], [1.0, 2.1], 1.0, 0.06).verdict is judge.Verdict.FAIL
-    assert judge.within([1.0, np.nan], [1.0, 2.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
-    assert judge.within([1.0], [1.0, 1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL, "nothing is broadcast"
-    assert judge.within(1.0, [1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
-    assert judge.within([0.0], [0.0], 0.0, 1.0).verdict is judge.Verdict.PASS
-    assert judge.within([1e-9], [0.0], 0.0, 1.0).verdict is judge.Verdict.FAIL, (
+    assert comparisons.within([1.0, 2.0], [1.0, 2.1], 1.0, 0.06).verdict is Verdict.FAIL
+    assert comparisons.within([1.0, np.nan], [1.0, 2.0], 1.0, 1.0).verdict is Verdict.FAIL
+    assert comparisons.within([1.0], [1.0, 1.0], 1.0, 1.0).verdict is Verdict.FAIL, "nothing is broadcast"
+    assert comparisons.within(1.0, [1.0], 1.0, 1.0).verdict is Verdict.FAIL
+    assert comparisons.within([0.0], [0.0], 0.0, 1.0).verdict is Verdict.PASS
+    assert comparisons.within([1e-9], [0.0], 0.0, 1.0).verdict is Verdict.FAIL, (
         "no allowance where there is no scale"
     )
 

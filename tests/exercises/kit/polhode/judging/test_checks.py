@@ -6,7 +6,7 @@ import pytest
 from polhode.judging import checks
 from polhode.judging.author_errors import AuthorError
 from polhode.judging.checks import below, close, conserved, holds, shows, within
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 
 NAN = float("nan")
 SEEN = [{"w": np.array([[1.0, 2.0], [3.0, 4.0]])}]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polhode.judging.claims import Claim, one_line
-from polhode.judging.judge import Verdict
+from polhode.judging.verdict import Verdict
 
 INF, NAN = float("inf"), float("nan")
 

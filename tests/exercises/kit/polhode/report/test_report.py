@@ -2,8 +2,8 @@
 
 import pytest
 
-from polhode.judging.judge import RowsRight
 from polhode.judging.outcome import SceneEnd
+from polhode.judging.verdict import RowsRight
 from polhode.report.dataclass_json import NotADocument, document, read
 from polhode.report.report import Report
 from tests.support.reports import outcome, report, report_of_verdicts

@@ -3,8 +3,8 @@
 import re
 from dataclasses import replace
 
-from polhode.judging.judge import RowsRight
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
+from polhode.judging.verdict import RowsRight
 from polhode.report.failure_causes import exercises_named, suspect_lines
 from polhode.report.report_html import cause_block, html, outcome_item
 from polhode.report.report_overview import overview

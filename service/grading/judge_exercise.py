@@ -1,20 +1,21 @@
 """Judging what a submission returned by the checks of an exercise."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from exercises.authoring.assignments.assignment import Assignment, Scene
-from exercises.authoring.importing.validation_lines import ReportedLine
+from exercises.authoring.importing.reported_lines import ReportedLine
 from polhode.judging.checks import Check
 from polhode.judging.exercise import Exercise
-from polhode.judging.judge import Verdict
 from polhode.judging.outcome import Diagnosis, Ended, ExerciseReport, Outcome
 from polhode.judging.remarks import Absent, unsaid
-from service.grading.diagnosis.diagnosing import Causes, diagnose_failure
+from polhode.judging.verdict import Verdict
 from service.grading.run_in_sandbox import PlayedJob
 from service.sandbox.result import PlayResult
 
+Causes = Callable[[str], list[Diagnosis]]
+"""A function that returns the diagnoses of a question's results, given its id."""
 NOT_DEFINED = re.compile(r"NameError: name '(\w+)' is not defined")
 
 
@@ -39,7 +40,7 @@ def judge(
             name, why = absent
             outcome.diagnosis = [Diagnosis(why.code, why.sentence, 1.0, (name,))] if why.code else []
         elif outcome.verdict is not Verdict.PASS:
-            outcome.diagnosis = diagnose_failure(scenes, result, causes)
+            outcome.diagnosis = _diagnose(assignment, scenes, result, causes)
         outcome.hidden = assignment.hidden(check)
         outcome.bonus = check not in expected
         outcome.remarks = [remark for name in check.scenes[:1] for remark in remarks.get(name, [])]
@@ -54,6 +55,21 @@ def passes(assignment: Assignment, check: Check, played: PlayedJob) -> bool:
     scenes = [assignment.scene(name) for name in check.scenes]
     outcome = _outcome(check, assignment, scenes, played)
     return outcome.verdict is Verdict.PASS or not outcome.counted
+
+
+def _diagnose(
+    assignment: Assignment, scenes: list[Scene], result: PlayResult, causes: Causes
+) -> list[Diagnosis]:
+    """Return the diagnoses of the results of a scene or of the one before it, else one for its scene end."""
+    names = [name for scene in scenes for name in (scene.after, scene.name) if name is not None]
+    for name in names:
+        question = assignment.scene(name).question
+        if name in result.arrays and question is not None and (found := causes(question["id"])):
+            return list(found)
+    for scene_end in map(result.scene_ends.get, names):
+        if scene_end is not None and scene_end.code is not None:
+            return [Diagnosis(scene_end.code, scene_end.cause, 1.0, (scene_end.scene,))]
+    return []
 
 
 def _outcome(check: Check, assignment: Assignment, scenes: list[Scene], played: PlayedJob) -> Outcome:

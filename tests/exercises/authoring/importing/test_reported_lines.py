@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.authoring import Notebook
-from exercises.authoring.importing.validation_lines import Status, is_self_reported
+from exercises.authoring.importing.reported_lines import Status, is_self_reported
 from tests.support.course_shape import published, written
 
 

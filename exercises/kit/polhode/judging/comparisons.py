@@ -1,65 +1,18 @@
-"""The judgements behind the check words: numbers and an explicit tolerance in, a verdict and its text out.
+"""The comparisons behind the check words: numbers and an explicit tolerance in, a judgement out.
 
 ``polhode.check`` and the server use these same functions, so both print the same line. NaN, infinity and a
 wrong shape never pass.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from polhode.judging.verdict import Judgement, Verdict, verdict_of
+
 Array = NDArray[np.float64]
-
-
-class Verdict(StrEnum):
-    """A check's verdict. UNMEASURED is neither right nor wrong:
-    its cause says why nothing could be measured.
-    """
-
-    PASS = "pass"  # noqa: S105
-    FAIL = "fail"
-    UNMEASURED = "unmeasured"
-
-
-MARKS = {Verdict.PASS: "✓", Verdict.FAIL: "✗", Verdict.UNMEASURED: "–"}
-
-
-@dataclass(frozen=True)
-class RowsRight:
-    """How many of a scene's ``rows``, its inputs, are ``right``: the fraction that partial credit follows."""
-
-    right: int
-    rows: int
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """The judgement of one claim. ``detail`` is the text in the brackets.
-
-    ``margin`` is allowed / measured, None if nothing deviates or there is no number. ``where`` is the index
-    of the worst value in the compared array. ``misshapen``: the shapes exclude a comparison. ``partial`` is
-    given for a ✗ with partial credit.
-    """
-
-    verdict: Verdict
-    detail: str
-    measured: float | None = None
-    expected: float | None = None
-    margin: float | None = None
-    where: tuple[int, ...] | None = None
-    misshapen: bool = False
-    partial: RowsRight | None = None
-
-
-def line(verdict: Verdict, label: str, detail: str) -> str:
-    """Return the notebook's ✓/✗ line: mark, two spaces, label, and if there is a detail, three spaces and
-    [detail].
-    """
-    return f"{MARKS[verdict]}  {label}" + (f"   [{detail}]" if detail else "")
 
 
 def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judgement:
@@ -73,7 +26,7 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
     with np.errstate(invalid="ignore"):
         delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
     where, margin = _worst(delta, allowed)
-    found = verdict(bool(np.all(np.isfinite(want)) and np.all(delta <= allowed)))
+    found = verdict_of(bool(np.all(np.isfinite(want)) and np.all(delta <= allowed)))
     if want.ndim == 0 and not np.iscomplexobj([seen, want]):
         detail = f"got {seen:.6g} vs expected {want:.6g} {tolerance}"
         return Judgement(found, detail, float(seen), float(want), margin)
@@ -95,7 +48,7 @@ def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) 
     largest = float(used.max()) if used.size else 0.0
     ok = bool(np.all(np.isfinite(want)) and np.all(used <= limit))
     return Judgement(
-        verdict(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where
+        verdict_of(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where
     )
 
 
@@ -112,7 +65,7 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
     where, margin = _worst(drift, np.full_like(drift, limit))
     largest = float(drift.max())
     detail = f"max relative drift = {largest:.6g} (limit {limit:g})"
-    return Judgement(verdict(bool(np.all(drift <= limit))), detail, largest, 0.0, margin, where)
+    return Judgement(verdict_of(bool(np.all(drift <= limit))), detail, largest, 0.0, margin, where)
 
 
 def below(value: ArrayLike, limit: float) -> Judgement:
@@ -123,7 +76,7 @@ def below(value: ArrayLike, limit: float) -> Judgement:
     where, margin = _worst(values, np.full_like(values, limit))
     largest = float(values.max())
     ok = bool(np.all(np.isfinite(values)) and np.all(values <= limit))
-    return Judgement(verdict(ok), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
+    return Judgement(verdict_of(ok), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
 
 
 def positive(value: ArrayLike) -> Judgement:
@@ -133,7 +86,7 @@ def positive(value: ArrayLike) -> Judgement:
         return Judgement(Verdict.FAIL, "the array is empty: expected at least one number (must be > 0)")
     smallest = float(values.min())
     return Judgement(
-        verdict(bool(np.all(np.isfinite(values)) and smallest > 0)),
+        verdict_of(bool(np.all(np.isfinite(values)) and smallest > 0)),
         f"got {smallest:.6g} (must be > 0)",
         smallest,
     )
@@ -141,16 +94,11 @@ def positive(value: ArrayLike) -> Judgement:
 
 def holds(ok: Any, detail: str) -> Judgement:
     """Judge a claim that has its own detail text. Only a true bool passes; an array or NaN does not."""
-    return Judgement(verdict(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
+    return Judgement(verdict_of(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
 
 
 def _misshapen(detail: str) -> Judgement:
     return Judgement(Verdict.FAIL, detail, misshapen=True)
-
-
-def verdict(ok: bool) -> Verdict:
-    """Return the verdict of a condition."""
-    return Verdict.PASS if ok else Verdict.FAIL
 
 
 def least_margin(delta: Array, allowed: Array) -> float | None:

@@ -13,8 +13,8 @@ from exercises.authoring.importing.validation_calls import Call
 from exercises.authoring.questions.author_arguments import Rule, is_numeric
 from polhode.judging.checks import Check
 from polhode.judging.claims import Claim
-from polhode.judging.judge import Judgement, Verdict
 from polhode.judging.outcome import Outcome, Tolerance
+from polhode.judging.verdict import Judgement, Verdict
 
 NOTEBOOK = "the notebook's own"
 TRUTH = Rule(

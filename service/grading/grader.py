@@ -14,7 +14,7 @@ from service.grading.diagnosis.matching_variants import LIMITS
 from service.grading.figures import rendering
 from service.grading.grade import grade
 from service.grading.published.claims_in_loops import has_loops
-from service.grading.run_in_sandbox import OnProgress, play
+from service.grading.run_in_sandbox import OnProgress, play_and_find_fault
 from service.grading.sandbox_job import job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
@@ -69,7 +69,7 @@ class Grader:
         began = time.monotonic()
         job = job_of(submission, assignment, [scene], {scene.name: scene.inputs})
         budget = TimeBudget(self.sandbox.limits.at_least(assignment.cpu_s))
-        result = play(job, assignment, self.sandbox, budget)
+        result = play_and_find_fault(job, assignment, self.sandbox, budget)
         elapsed = time.monotonic() - began
         if not result.finished(scene.name):
             scene_end = result.scene_ends.get(scene.name)

@@ -64,7 +64,7 @@ def play_job(
         except Exception as error:  # raised after the play: the guest goes on
             failed.append(error)
 
-    result = play(job, assignment, sandbox, budget, on_scene)
+    result = play_and_find_fault(job, assignment, sandbox, budget, on_scene)
     if failed:
         raise failed[0]
     compare_afresh(job, result, sandbox, budget)
@@ -83,7 +83,7 @@ def play_job(
     return PlayedJob(job, inputs, exact, result, budget)
 
 
-def play(
+def play_and_find_fault(
     job: Job,
     assignment: Assignment,
     sandbox: Sandbox,

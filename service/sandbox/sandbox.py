@@ -102,9 +102,9 @@ class Sandbox:
         is too busy, and Cancelled if ``cancelled`` is set.
         """
         with self._turn:
-            return self._play(job, on_scene, budget or TimeBudget(self.limits))
+            return self._play_until_done(job, on_scene, budget or TimeBudget(self.limits))
 
-    def _play(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
+    def _play_until_done(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
         result = PlayResult()
         while (left := job.without(set(result.scene_ends))).scenes or not (result.loaded or job.scenes):
             left = left.without_statements(result.left_out)

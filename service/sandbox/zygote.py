@@ -148,7 +148,7 @@ class Zygote:
             self._data_files(job) if job.data else contextlib.nullcontext(),
             contextlib.closing(self._start(job, budget)) as child,
         ):
-            return self._play(child, job, budget, Reader(job, result, on_scene))
+            return self._run_child(child, job, budget, Reader(job, result, on_scene))
 
     def _send(self, message: bytes, *fds: int) -> None:
         try:
@@ -169,7 +169,7 @@ class Zygote:
             _close(*child.theirs)
         return child
 
-    def _play(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
+    def _run_child(self, child: _Child, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         """Play ``job`` in a child that ``_start`` has started."""
         pidfds = self._pidfds(2 if job.has_reference else 1)
         began, times = time.monotonic(), ProcessorTimes(*pidfds)

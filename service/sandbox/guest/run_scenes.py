@@ -132,7 +132,7 @@ def _run(
             write.event("start", scene=scene["name"])
             fields = because | {"sentence": sentence, "code": code}
             write.event("scene", scene=scene["name"], ended="missing-function", **fields)
-        elif _play(
+        elif _answer_scene(
             scene,
             plays,
             student,
@@ -166,7 +166,7 @@ def _answers_without(scene: dict[str, Any], absent: Mapping[str, Absent]) -> boo
     return bool((scene["question"] or {}).get("variables")) and len(absent) <= len(scene["needs"])
 
 
-def _play(
+def _answer_scene(
     scene: dict[str, Any],
     plays: Names,
     student: Names,

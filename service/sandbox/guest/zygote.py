@@ -126,12 +126,14 @@ def _obey(control: socket.socket, layers: Any, room: str) -> None:
             _import_later(message.removeprefix(IMPORT).decode())
             control.send(READY)
         elif fds:
-            _play(control, layers, room, PLAY.unpack(message), fds)
+            _run_children(control, layers, room, PLAY.unpack(message), fds)
         else:
             return
 
 
-def _play(control: socket.socket, layers: Any, room: str, limits: tuple[int, ...], fds: list[int]) -> None:
+def _run_children(
+    control: socket.socket, layers: Any, room: str, limits: tuple[int, ...], fds: list[int]
+) -> None:
     """Start the children of a play with descriptors of job, result, output, and of the reference functions if
     there are more. Report their pidfds and how they ended, and remove the scratch folder.
     """

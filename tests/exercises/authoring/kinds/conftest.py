@@ -4,6 +4,7 @@ import sys
 
 import pytest
 
+from exercises.authoring.assignments.catalogue import find
 from tests.support.assignments import known
 from tests.support.toolbox import FOLDER, Toolbox
 
@@ -12,4 +13,5 @@ from tests.support.toolbox import FOLDER, Toolbox
 def toolbox():
     with known(FOLDER) as catalogue:
         assert not catalogue.invalid
-        yield Toolbox(sys.modules["exercises.toolbox.assignment"].notebook, catalogue.valid["toolbox"])
+        assignment = find("toolbox")
+        yield Toolbox(sys.modules["exercises.toolbox.assignment"].notebook, assignment)

@@ -6,6 +6,7 @@ import sys
 import pytest
 import sympy
 
+from exercises.authoring.assignments.catalogue import find
 from polhode.judging.verdict import Verdict
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -19,7 +20,8 @@ from tests.support.toolbox import FOLDER, Toolbox, check_locally, mistaken, righ
 def symbolic():
     with known(FOLDER.parent / "symbolic") as catalogue:
         assert not catalogue.invalid
-        yield Toolbox(sys.modules["exercises.symbolic.assignment"].notebook, catalogue.valid["symbolic"])
+        assignment = find("symbolic")
+        yield Toolbox(sys.modules["exercises.symbolic.assignment"].notebook, assignment)
 
 
 @pytest.fixture(scope="module")

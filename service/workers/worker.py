@@ -178,10 +178,14 @@ class Worker:
         watch, slow_after = Stopwatch(self._waited_s), self._pace.slow_after(claimed.assignment)
         heartbeats = asyncio.create_task(self._send_heartbeats(claimed, cancelled, watch, slow_after))
         try:
+            # loads the assignment, beside the heartbeats
+            longest_s = await self._call(
+                self._grader.longest_s, claimed.assignment, within=self._limits.wall_s
+            )
             report, artefacts = await self._call(
                 self._grader.grade_and_pack,
                 claimed.submission, claimed.assignment, claimed.seed, self._set_progress,
-                within=self._grader.longest_s(claimed.assignment),
+                within=longest_s,
             )  # fmt: skip
             slow = watch.seconds() > slow_after
             first = await patiently(
